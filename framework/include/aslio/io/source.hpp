@@ -1,0 +1,69 @@
+#pragma once
+/// Where measurements come from: bags and folders, pulled in the order of recording. Data time is the only clock.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aslio/core/measurement.hpp"
+#include "aslio/core/sensor.hpp"
+
+namespace aslio::config {
+class Binder;
+}
+
+namespace aslio::io {
+
+enum class AccUnit : std::uint8_t { automatic, g, mps2 };
+enum class GyroUnit : std::uint8_t { automatic, rad_s, deg_s };
+
+/// A sensor file (`schema: aslio/sensor/1`). Directions stand in the key names: T_imu_lidar maps p_L to p_I.
+struct SensorConfig {
+  std::string lidar_topic, imu_topic;
+  AccUnit acc_unit = AccUnit::automatic;
+  GyroUnit gyro_unit = GyroUnit::automatic;
+  bool livox_tag_filter = true;     ///< keep (tag & 0x30) in {0x00, 0x10} (first or strongest return)
+  bool require_point_times = true;  ///< refuse clouds whose per-point time cannot be known
+  SensorModel model;
+
+  static void describe(config::Binder& b, SensorConfig& sensor);
+};
+
+/// How complete the input was; known once the end has been reached.
+enum class InputStatus : std::uint8_t { complete, truncated };
+
+/// Facts found while reading, stated to the user: verdicts on units and time fields, repaired damage.
+struct SourceNotes {
+  std::vector<std::string> verdicts;  ///< e.g. "imu acceleration: g (static norm 0.998), multiplied by 9.80665"
+  std::vector<std::string> warnings;
+};
+
+class MeasurementSource {
+ public:
+  virtual ~MeasurementSource() = default;
+  /// Next measurement in recording order, or nothing at the end. Throws DataError for damage that cannot be skipped.
+  virtual std::optional<Measurement> next() = 0;
+  virtual InputStatus status() const = 0;
+  virtual const SourceNotes& notes() const = 0;
+  /// Data-time extent for progress; nullopt when not known before reading.
+  virtual std::optional<TimeNs> begin_time() const = 0;
+  virtual std::optional<TimeNs> end_time() const = 0;
+};
+
+/// Data-time section [begin + start, begin + start + duration) in seconds.
+struct Section {
+  double start = 0;
+  std::optional<double> duration;
+};
+
+/// Opens a ROS1 bag file, or a KITTI raw drive folder, by what it is. Checks topics and types at once; throws DataError
+/// that names the file, what was found and the remedy.
+std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
+                                               const Section& section = {});
+
+/// SHA-256 of a file, or of the names and contents of a folder's data files; hex.
+std::string input_digest(const std::filesystem::path& path);
+
+}  // namespace aslio::io

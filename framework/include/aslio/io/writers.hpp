@@ -1,0 +1,56 @@
+#pragma once
+/// Writers. Each writes to a temporary name and renames on close(), so that no half-written file ever stands under a
+/// final name; a failed write (full disk) throws DataError that names the path.
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "aslio/core/types.hpp"
+
+namespace aslio::io {
+
+/// Text file that appears under its name at close(). Destroyed without close(): the temporary file is removed.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path path, bool binary = false);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  void write(std::string_view text);
+  /// Byte offset so far.
+  std::uint64_t position() const { return written_; }
+  /// Overwrites earlier bytes (headers whose counts are known at the end).
+  void patch(std::uint64_t offset, std::string_view text);
+  void close();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_, temporary_;
+  std::FILE* file_ = nullptr;
+  std::uint64_t written_ = 0;
+};
+
+/// One TUM line: `t tx ty tz qx qy qz qw`, %.9f seconds exact to the nanosecond, quaternion with w >= 0.
+std::string tum_line(const StampedPose& pose);
+/// One KITTI line: the 12 numbers of the 3x4 matrix.
+std::string kitti_line(const Pose& pose);
+void write_tum(const std::filesystem::path& path, std::span<const StampedPose> poses);
+void write_kitti(const std::filesystem::path& path, std::span<const StampedPose> poses);
+
+/// Reads TUM; throws DataError with file:line and the offending text.
+std::vector<StampedPose> read_tum(const std::filesystem::path& path);
+
+/// Streams points to a map file: .ply (binary little endian) or .pcd (binary). Nothing is kept in memory.
+class MapWriter {
+ public:
+  virtual ~MapWriter() = default;
+  virtual void add(const Eigen::Vector3f& p_W, float intensity) = 0;
+  virtual void close() = 0;
+};
+/// By extension; throws ConfigError for another one, or for .pcd in a build without PCL.
+std::unique_ptr<MapWriter> open_map_writer(const std::filesystem::path& path);
+
+}  // namespace aslio::io

@@ -1,0 +1,35 @@
+#pragma once
+/// Where the first state comes from (METHODS 1.5; docs/equations.md INI-1..).
+
+#include <optional>
+#include <string>
+
+#include "aslio/stages/estimator.hpp"
+#include "aslio/stream/measurement_stream.hpp"
+
+namespace aslio::pipeline {
+
+enum class InitialisationMode : std::uint8_t { automatic, static_start, dynamic_start };
+
+struct InitialisationParams {
+  InitialisationMode mode = InitialisationMode::automatic;
+  double time = 0.1;            ///< [s] of IMU data averaged
+  double static_acc_std = 0.3;  ///< [m/s^2]
+  double static_rate = 0.05;    ///< [rad/s]
+
+  static void describe(config::Binder& b, InitialisationParams& p);
+};
+
+/// What was found, for the summary.
+struct Initialisation {
+  InitialState initial;
+  std::string verdict;  ///< "static: |mean rate| 0.003 rad/s, acc std 0.04 m/s^2 over 21 samples"
+};
+
+/// Tries to find the initial state at or after the first point. Nothing while the IMU data does not yet reach over
+/// `params.time`. Throws DataError when acceleration cannot be gravity in m/s^2 (|mean| outside [7, 13]), naming the
+/// factor.
+std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,
+                                         const SensorModel& sensor);
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,101 @@
+#pragma once
+/// Estimators: the state, given a window, its history and the map.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "aslio/stages/history.hpp"
+#include "aslio/stages/map.hpp"
+#include "aslio/stages/motion.hpp"
+#include "aslio/stages/residual.hpp"
+#include "aslio/stages/sampler.hpp"
+#include "aslio/stages/window.hpp"
+
+namespace aslio {
+
+/// How the state at start was found (METHODS 1.5).
+enum class InitialMode : std::uint8_t { static_start, dynamic_start };
+
+/// What initialisation knows: the state and one standard deviation per block.
+struct InitialState {
+  NavState state;
+  InitialMode mode = InitialMode::static_start;
+  double sigma_tilt = 0.02;       ///< roll and pitch against gravity [rad]
+  double sigma_velocity = 0.01;   ///< [m/s]
+  double sigma_gyro_bias = 1e-3;  ///< [rad/s]
+  double sigma_acc_bias = 0.2;    ///< [m/s^2]
+};
+
+/// Continuous pose over (part of) a window: the pivot between estimators and everything that places points.
+class TrajectoryModel {
+ public:
+  virtual ~TrajectoryModel() = default;
+  /// T_W_I at t.
+  virtual Pose pose(TimeNs t) const = 0;
+  /// Number of unknowns.
+  virtual int dof() const = 0;
+  /// d(theta, p)(t) / d xi, 6 x dof, right perturbation of R, additive p; `out` is resized.
+  virtual void jacobian(TimeNs t, Eigen::MatrixXd& out) const = 0;
+};
+
+/// A match of a fresh point in the last association: position in Update::points(Tap::match), and its neighbours.
+struct MatchRecord {
+  bool accepted = false;
+  float residual = 0;  ///< signed z at the posterior [m]
+};
+
+/// Wall-clock time spent per part [s]; never used in a decision.
+struct StageTimes {
+  double predict = 0, deskew = 0, sample = 0, associate = 0, solve = 0, overlap = 0, insert = 0, window = 0;
+};
+
+/// Result of one update. Owned by the estimator, valid until its next update; spans point into it.
+struct Update {
+  UpdateStatus status = UpdateStatus::initialising;
+  bool accepted = false;  ///< the state was corrected by this window's points
+  bool insert = true;     ///< the points may enter map, overlap and history (false: refused step)
+  NavState prior;         ///< at the end of the window, propagated
+  NavState state;         ///< posterior (equals the prior when not accepted)
+  StateMatrix P = StateMatrix::Zero();
+  std::array<double, 6> spectrum{};  ///< eigenvalues of the pose information (theta, p) of the fresh points, ascending
+  int iterations = 0;
+  std::uint32_t fresh_matches = 0;
+  std::uint32_t history_matches = 0;
+  std::uint32_t history_points = 0;             ///< offered by the history policy
+  double residual_rms = 0;                      ///< of accepted fresh residuals [m]
+  std::span<const NavState> states;             ///< states inside the window in time order, the last is `state`
+  const TrajectoryModel* trajectory = nullptr;  ///< T_W_I over the fresh interval
+  StageTimes times;
+
+  std::span<const WorldPoint> points(Tap tap) const {
+    return tap == Tap::overlap ? overlap_points : tap == Tap::map ? map_points : match_points;
+  }
+  std::span<const WorldPoint> overlap_points, map_points, match_points;
+  std::span<const MatchRecord> matches;    ///< one per match_points
+  const Neighbours* neighbours = nullptr;  ///< last neighbour list of every match, same order
+};
+
+/// Everything an update may use besides its window; the map is const.
+struct StepContext {
+  SamplerChain& samplers;
+  const Map& map;
+  const HistoryPolicy& histories;
+};
+
+/// Contract. reset() before the first update. update(): predict to the end of the window, de-skew, sample, associate,
+/// solve. With an empty map there is nothing to match: status `initialising`, the prior is kept and points are placed
+/// with it. A refused step keeps the prior. Never throws on numerical trouble (UpdateStatus says it). Same bits for any
+/// number of threads. No allocation after warm-up.
+class Estimator : public Stage {
+ public:
+  static constexpr std::string_view family = "estimators";
+  virtual void reset(const InitialState& initial) = 0;
+  virtual const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) = 0;
+  /// Posterior state of the last update.
+  virtual const NavState& state() const = 0;
+  /// Prediction from the last posterior over `imu` (first sample at the state's time), without changing anything.
+  virtual NavState predict(std::span<const ImuSample> imu) const = 0;
+};
+
+}  // namespace aslio

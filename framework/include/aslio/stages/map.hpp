@@ -1,0 +1,71 @@
+#pragma once
+/// Maps: nearest neighbours around world points, in batches.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "aslio/stages/points.hpp"
+
+namespace aslio {
+
+/// What to look for around each query.
+struct MapQuery {
+  int k = 5;                             ///< up to this many neighbours, 1..Neighbours::kMax
+  double max_distance = 1.0;             ///< [m]
+  std::uint32_t max_stamp = 0xffffffff;  ///< only points inserted at this update or before
+  std::uint8_t feature = 0;              ///< feature class
+};
+
+/// Neighbours of a batch of queries. offset(i, j) = neighbour j of query i MINUS the query [m] (float is exact enough
+/// there however far from the origin the map lies), ascending in distance; ties in order of insertion.
+class Neighbours {
+ public:
+  static constexpr int kMax = 20;
+
+  void resize(std::size_t queries, int k) {
+    k_ = static_cast<std::size_t>(k);
+    count.resize(queries);
+    offsets.resize(queries * k_);
+    squared.resize(queries * k_);
+  }
+  std::size_t k() const { return k_; }
+  std::size_t size() const { return count.size(); }
+  const Eigen::Vector3f& offset(std::size_t query, std::size_t j) const { return offsets[query * k_ + j]; }
+
+  std::vector<std::uint8_t> count;       ///< neighbours found per query
+  std::vector<Eigen::Vector3f> offsets;  ///< [query * k + j]
+  std::vector<float> squared;            ///< squared distances [m^2], same layout
+
+ private:
+  std::size_t k_ = 0;
+};
+
+/// What insert() did.
+struct InsertCount {
+  std::size_t offered = 0;
+  std::size_t inserted = 0;  ///< the rest was refused as too close to what is there, full, or not finite
+};
+
+/// Contract. correspond() is const and may be called many times per update; it runs its own loop over the batch with
+/// the executor it was built with and allocates nothing beyond `out`'s growth. Exactness is stated by each map (voxel
+/// maps see a fixed neighbourhood of cells). Same bits for any number of threads. insert() keeps the order given.
+/// trim() forgets what lies farther than the map's own radius from `centre_W` (it may keep up to one coarse cell more),
+/// so that memory is bounded by the radius; amortised.
+class Map : public Stage {
+ public:
+  static constexpr std::string_view family = "maps";
+  virtual void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const = 0;
+  virtual InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) = 0;
+  virtual void trim(const Vec3& centre_W) = 0;
+  virtual void clear() = 0;
+  virtual std::size_t size() const = 0;
+  virtual std::size_t memory_bytes() const = 0;
+  /// Distance beyond which trim() forgets [m].
+  virtual double radius() const = 0;
+  /// Visits every point (world, metres) in a deterministic order.
+  virtual void visit(const std::function<void(const Vec3&)>& visitor) const = 0;
+};
+
+}  // namespace aslio

@@ -1,0 +1,63 @@
+#pragma once
+/// Motions: pose and covariance between updates.
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "aslio/config/nested.hpp"
+#include "aslio/core/types.hpp"
+#include "aslio/stages/build_context.hpp"
+
+namespace aslio {
+
+inline constexpr int kStateDim = 18;
+using StateVector = Eigen::Matrix<double, kStateDim, 1>;
+using StateMatrix = Eigen::Matrix<double, kStateDim, kStateDim>;
+
+/// Offsets of the blocks of the error state (theta, p, v, b_w, b_a, g).
+namespace block {
+inline constexpr int theta = 0, p = 3, v = 6, b_w = 9, b_a = 12, g = 15;
+}
+
+/// Discrete noise of one IMU interval of length dt: covariances of (n_w, n_a, n_bw, n_ba), isotropic per block.
+struct ImuNoise {
+  double gyro = 0;       ///< [(rad/s)^2] per sample
+  double acc = 0;        ///< [(m/s^2)^2]
+  double gyro_bias = 0;  ///< [(rad/s)^2] increment
+  double acc_bias = 0;   ///< [(m/s^2)^2] increment
+};
+
+/// One integration interval [t, t + dt] with constant corrected rate and world acceleration:
+/// R(tau) = R Exp(w tau), p(tau) = p + v tau + a_W tau^2 / 2 for tau in [0, dt]  (METHODS: deskew formula, DSK-1).
+struct MotionSegment {
+  TimeNs t = 0;
+  double dt = 0;
+  Mat3 R = Mat3::Identity();
+  Vec3 p = Vec3::Zero();
+  Vec3 v = Vec3::Zero();
+  Vec3 w = Vec3::Zero();    ///< bias-corrected angular rate [rad/s]
+  Vec3 a_W = Vec3::Zero();  ///< acceleration of the origin of I in W, gravity included [m/s^2]
+
+  Pose pose(TimeNs at) const {
+    const double tau = to_seconds(at - t);
+    return {R * exp_so3(w * tau), p + v * tau + 0.5 * tau * tau * a_W};
+  }
+};
+
+/// Contract. step() advances the state over one interval between two consecutive IMU samples and returns the segment it
+/// assumed; linearise() gives the exact first-order transition of that step for the error (theta, p, v, b_w, b_a, g):
+/// F (18x18) and G Q G^T added to P by propagate_covariance(). Stateless; thread-safe; no allocation.
+class MotionModel : public Stage {
+ public:
+  static constexpr std::string_view family = "motions";
+  virtual MotionSegment step(NavState& state, const ImuSample& from, const ImuSample& to) const = 0;
+  /// P <- F P F^T + G Q G^T for the step from `before` over the same samples.
+  virtual void propagate_covariance(const NavState& before, const ImuSample& from, const ImuSample& to,
+                                    const ImuNoise& noise, StateMatrix& P) const = 0;
+  /// The dense F and G (noise order n_w, n_a, n_bw, n_ba) of the step, for tests and smoothers.
+  virtual void linearise(const NavState& before, const ImuSample& from, const ImuSample& to, StateMatrix& F,
+                         Eigen::Matrix<double, kStateDim, 12>& G) const = 0;
+};
+
+}  // namespace aslio

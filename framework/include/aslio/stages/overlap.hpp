@@ -1,0 +1,53 @@
+#pragma once
+/// Overlaps: how much of the frame does the map already know? (AS-LIO eqs. 1-6; docs/equations.md SOD-1..)
+
+#include <cstdint>
+#include <span>
+
+#include "aslio/stages/points.hpp"
+#include "aslio/stages/window.hpp"
+
+namespace aslio {
+
+/// Contract. evaluate() scores points in the world frame against the occupancy as it stood `delay` before `t`; it is
+/// called after alignment and BEFORE extend() of the same points (overlap measured after the merge is always ~1).
+/// Undefined (no value) while that occupancy is empty or with fewer than the metric's minimum of points; non-finite
+/// points are not counted. Invariants: 0 <= O <= 1, sum(layers) <= points, and O = 1 iff every point is at layer 0.
+/// evaluate() does not change any later score. Not thread-safe. No allocation in evaluate() after warm-up.
+class OverlapMetric : public Stage {
+ public:
+  static constexpr std::string_view family = "overlaps";
+  /// Score of the points of a window that ends at `t`.
+  virtual OverlapScore evaluate(std::span<const WorldPoint> points, TimeNs t) = 0;
+  /// The points become known at `t` (and count from `t + delay` on).
+  virtual void extend(std::span<const WorldPoint> points, TimeNs t) = 0;
+  /// Forget what lies farther than `radius` [m] from `centre_W`; amortised, may keep up to one coarse cell more.
+  virtual void trim(const Vec3& centre_W, double radius) = 0;
+  virtual std::size_t memory_bytes() const = 0;
+};
+
+/// Integer voxel coordinates, floor(p / voxel) per axis.
+struct Cell {
+  std::int32_t x = 0, y = 0, z = 0;
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+/// Distance between cells in voxel units that defines a layer.
+enum class LayerMetric : std::uint8_t { chebyshev, manhattan, euclid_rounded };
+
+/// Occupied cells of an overlap metric. All stores give identical layers. Cells beyond +-2^20 per axis are refused by
+/// the caller. layers(): smallest distance (metric units, 0..depth) from cells[i] to an occupied cell, or depth + 1 if
+/// none is within depth. Not thread-safe for writing; layers() may be called concurrently unless stated otherwise.
+class OccupancyStore : public Stage {
+ public:
+  static constexpr std::string_view family = "stores";
+  virtual void insert(std::span<const Cell> cells) = 0;
+  virtual void layers(std::span<const Cell> cells, int depth, LayerMetric metric, std::span<std::uint8_t> out) = 0;
+  /// Drops cells outside the axis-aligned cube [lo, hi].
+  virtual void keep_inside(const Cell& lo, const Cell& hi) = 0;
+  virtual std::size_t size() const = 0;
+  virtual std::size_t memory_bytes() const = 0;
+  virtual void clear() = 0;
+};
+
+}  // namespace aslio

@@ -1,0 +1,27 @@
+#pragma once
+/// Points on their way through an update, and the consumers they are sampled for.
+
+#include <cstdint>
+
+#include "aslio/core/types.hpp"
+
+namespace aslio {
+
+/// Consumers of points; a sampler names those it thins. Bit mask.
+enum class Tap : std::uint8_t { overlap = 1, map = 2, match = 4 };
+using TapMask = std::uint8_t;
+inline constexpr TapMask kAllTaps = 7;
+constexpr TapMask mask(Tap tap) { return static_cast<TapMask>(tap); }
+
+/// A fresh point at the posterior pose.
+struct WorldPoint {
+  Vec3 p_W = Vec3::Zero();
+  TimeNs t = 0;
+  float range = 0;  ///< |p_L| [m]
+  float intensity = 0;
+  std::uint32_t index = 0;  ///< position in Window::fresh
+  std::uint8_t line = 0;
+  std::uint8_t feature = 0;
+};
+
+}  // namespace aslio

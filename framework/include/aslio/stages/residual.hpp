@@ -1,0 +1,41 @@
+#pragma once
+/// Residuals: what does a match measure, and with which noise? They speak of world points only; the estimator chains
+/// J_world with its trajectory model (d p_W / d xi).
+
+#include <cstdint>
+#include <span>
+
+#include "aslio/stages/map.hpp"
+
+namespace aslio {
+
+/// Local surface fitted to the neighbours of one match.
+struct Surface {
+  Vec3 normal = Vec3::Zero();  ///< unit normal (plane) or direction (line), W
+  Vec3 anchor = Vec3::Zero();  ///< a point on it, W
+  double quality = 1.0;        ///< weight in (0, 1]
+  bool valid = false;
+};
+
+/// One scalar row: r = h(p_W) [m], J = dr/dp_W, information 1/R [1/m^2] (0: the row takes no part).
+struct ResidualRow {
+  double r = 0;
+  Vec3 J = Vec3::Zero();
+  double information = 0;
+};
+
+/// Contract. fit() turns the neighbours of each query into a surface; it is called once per association. evaluate() is
+/// called at every iteration with the current world points; it writes rows_per_match() rows for each match and applies
+/// gates and robust weights. `range[i]` is |p_L| [m]. Deterministic; may use its executor; no allocation.
+class Residual : public Stage {
+ public:
+  static constexpr std::string_view family = "residuals";
+  virtual int rows_per_match() const = 0;
+  /// What to ask the map for.
+  virtual MapQuery query() const = 0;
+  virtual void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) = 0;
+  virtual void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
+                        double sigma, std::span<ResidualRow> rows) = 0;
+};
+
+}  // namespace aslio

@@ -1,0 +1,48 @@
+#pragma once
+/// Samplers: which points take part? A chain; each member thins the points of the taps it names.
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "aslio/config/nested.hpp"
+#include "aslio/stages/points.hpp"
+
+namespace aslio {
+
+/// Points of one update as the chain sees them. `taps[i]` says who still wants point i; a sampler clears bits, never
+/// sets them. `body` is empty before de-skew; afterwards body[i] is p_I at the end of the window, and only points with
+/// a bit left are there: `raw` and `taps` are compacted with it.
+struct SampleBatch {
+  std::span<const TimedPoint> raw;
+  std::span<const Eigen::Vector3f> body;
+  std::span<TapMask> taps;
+};
+
+/// Contract. `acts_on` = raw samplers run before de-skew and must not read `body`; body samplers run after it. A raw
+/// sampler decides by a point's own data (its index counts over the stream, so a decision does not depend on where
+/// windows were cut). Deterministic; not thread-safe; no allocation after warm-up; O(n).
+class Sampler : public Stage {
+ public:
+  static constexpr std::string_view family = "samplers";
+  enum class ActsOn : std::uint8_t { raw, body };
+  virtual ActsOn acts_on() const = 0;
+  virtual void sample(SampleBatch& batch) = 0;
+};
+
+/// The chain of a pipeline, in the order of its file within each phase.
+class SamplerChain {
+ public:
+  SamplerChain() = default;
+  explicit SamplerChain(std::vector<std::unique_ptr<Sampler>> members) : members_(std::move(members)) {}
+  void sample(Sampler::ActsOn phase, SampleBatch& batch) {
+    for (auto& member : members_) {
+      if (member->acts_on() == phase) member->sample(batch);
+    }
+  }
+
+ private:
+  std::vector<std::unique_ptr<Sampler>> members_;
+};
+
+}  // namespace aslio
