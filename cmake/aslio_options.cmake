@@ -2,13 +2,68 @@
 option(ASLIO_BUILD_TESTS "Build the tests" ON)
 option(ASLIO_WERROR "Warnings are errors" OFF)
 option(ASLIO_NATIVE "Generate code for this machine's CPU (not for binaries that travel)" OFF)
+option(ASLIO_REPRODUCIBLE "No fused multiply-add by contraction: the same bits on every machine of one ASLIO_ARCH" OFF)
+set(ASLIO_ARCH "" CACHE STRING "Value of -march, for example x86-64-v3; empty: the compiler's default")
 set(ASLIO_EXEC_BACKEND openmp CACHE STRING "Thread backend of exec: openmp or threads (for tsan, which libgomp confuses)")
 set_property(CACHE ASLIO_EXEC_BACKEND PROPERTY STRINGS openmp threads)
+set(ASLIO_SANITIZE none CACHE STRING "none, address (with undefined) or thread")
+set_property(CACHE ASLIO_SANITIZE PROPERTY STRINGS none address thread)
+set(ASLIO_WITH_PCL AUTO CACHE STRING "PCL behind io: AUTO (when found), ON (required) or OFF")
+set_property(CACHE ASLIO_WITH_PCL PROPERTY STRINGS AUTO ON OFF)
+set(ASLIO_RECORDINGS_DIR "${CMAKE_CURRENT_SOURCE_DIR}/../shared/data" CACHE PATH
+    "Folder of recordings for the tests labelled `recordings`")
+
+if(ASLIO_NATIVE AND ASLIO_ARCH)
+  message(FATAL_ERROR "ASLIO_NATIVE=ON and ASLIO_ARCH=${ASLIO_ARCH} exclude each other: set one of them")
+endif()
+foreach(choice "ASLIO_EXEC_BACKEND;openmp;threads" "ASLIO_SANITIZE;none;address;thread" "ASLIO_WITH_PCL;AUTO;ON;OFF")
+  list(POP_FRONT choice name)
+  if(NOT "${${name}}" IN_LIST choice)
+    list(JOIN choice ", " choice)
+    message(FATAL_ERROR "${name} is '${${name}}', must be one of: ${choice}")
+  endif()
+endforeach()
+
+# Flags that choose instructions. One list, because a manifest must name them and every target must agree on them.
+set(ASLIO_CODE_FLAGS "")
+if(ASLIO_NATIVE)
+  list(APPEND ASLIO_CODE_FLAGS -march=native)
+elseif(ASLIO_ARCH)
+  list(APPEND ASLIO_CODE_FLAGS -march=${ASLIO_ARCH})
+endif()
+if(ASLIO_REPRODUCIBLE)
+  list(APPEND ASLIO_CODE_FLAGS -ffp-contract=off)
+endif()
+# -fno-math-errno: sqrt would otherwise block vectorisation (6x on plane fits). No -ffast-math: it breaks reproducibility.
+list(APPEND ASLIO_CODE_FLAGS -fno-math-errno)
 
 add_library(aslio_flags INTERFACE)
-target_compile_options(aslio_flags INTERFACE -Wall -Wextra -Wconversion $<$<BOOL:${ASLIO_WERROR}>:-Werror>)
-# -fno-math-errno: sqrt would otherwise block vectorisation (6x on plane fits). No -ffast-math: it breaks reproducibility.
-target_compile_options(aslio_flags INTERFACE -fno-math-errno $<$<BOOL:${ASLIO_NATIVE}>:-march=native>)
+target_compile_options(aslio_flags INTERFACE -Wall -Wextra -Wconversion $<$<BOOL:${ASLIO_WERROR}>:-Werror> ${ASLIO_CODE_FLAGS})
+
+if(ASLIO_SANITIZE STREQUAL "none")
+  # Bags and configurations come from anywhere. _FORTIFY_SOURCE needs an optimised build to do anything.
+  target_compile_options(aslio_flags INTERFACE -fstack-protector-strong)
+  target_compile_definitions(aslio_flags INTERFACE $<$<NOT:$<CONFIG:Debug>>:_FORTIFY_SOURCE=2>)
+  target_link_options(aslio_flags INTERFACE -Wl,-z,relro -Wl,-z,now)
+else()
+  if(ASLIO_SANITIZE STREQUAL "address")
+    # float-cast-overflow is not part of `undefined`, and a non-finite coordinate cast to a cell index is what it finds.
+    set(sanitizers -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all)
+  else()
+    set(sanitizers -fsanitize=thread)
+  endif()
+  target_compile_options(aslio_flags INTERFACE ${sanitizers} -fno-omit-frame-pointer)
+  target_link_options(aslio_flags INTERFACE ${sanitizers})
+endif()
+
+# What a run's manifest states about the build.
+string(TOUPPER "${CMAKE_BUILD_TYPE}" aslio_build_type)
+list(JOIN ASLIO_CODE_FLAGS " " ASLIO_CODE_FLAGS_TEXT)
+string(STRIP "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${aslio_build_type}} ${ASLIO_CODE_FLAGS_TEXT}" ASLIO_FLAGS_TEXT)
+set(ASLIO_COMPILER_TEXT "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}")
+
+include(CheckPIESupported)
+check_pie_supported()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
