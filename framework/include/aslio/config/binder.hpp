@@ -26,9 +26,9 @@ namespace aslio::config {
 
 /// Admissible interval of a number: min <= v <= max and above < v < below.
 struct Range {
+  double above = -std::numeric_limits<double>::infinity();
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  double above = -std::numeric_limits<double>::infinity();
   double below = std::numeric_limits<double>::infinity();
 };
 

@@ -20,16 +20,17 @@ namespace block {
 inline constexpr int theta = 0, p = 3, v = 6, b_w = 9, b_a = 12, g = 15;
 }
 
-/// Discrete noise of one IMU interval of length dt: covariances of (n_w, n_a, n_bw, n_ba), isotropic per block.
+/// Noise of one IMU interval as discrete per-sample variances of (n_w, n_a, n_bw, n_ba), isotropic per block. A
+/// continuous density sigma_c enters as sigma_c^2 / dt (docs/equations.md MOT-3).
 struct ImuNoise {
-  double gyro = 0;       ///< [(rad/s)^2] per sample
+  double gyro = 0;       ///< [(rad/s)^2]
   double acc = 0;        ///< [(m/s^2)^2]
-  double gyro_bias = 0;  ///< [(rad/s)^2] increment
-  double acc_bias = 0;   ///< [(m/s^2)^2] increment
+  double gyro_bias = 0;  ///< of the bias rate [(rad/s^2)^2]
+  double acc_bias = 0;   ///< of the bias rate [(m/s^3)^2]
 };
 
 /// One integration interval [t, t + dt] with constant corrected rate and world acceleration:
-/// R(tau) = R Exp(w tau), p(tau) = p + v tau + a_W tau^2 / 2 for tau in [0, dt]  (METHODS: deskew formula, DSK-1).
+/// R(tau) = R Exp(w tau), p(tau) = p + v tau + a_W tau^2 / 2 for tau in [0, dt]  (docs/equations.md DSK-1).
 struct MotionSegment {
   TimeNs t = 0;
   double dt = 0;

@@ -1,0 +1,139 @@
+#include "estimators/frame.hpp"
+
+#include <algorithm>
+
+namespace aslio::plugins {
+
+void RigidTrajectory::clear(const NavState& start) {
+  segments_.clear();
+  end_ = start;
+  corrected_end_ = start.pose();
+}
+
+void RigidTrajectory::append(const MotionSegment& segment, const NavState& end) {
+  segments_.push_back(segment);
+  end_ = end;
+  corrected_end_ = end.pose();
+}
+
+Pose RigidTrajectory::predicted(TimeNs t) const {
+  if (segments_.empty() || t >= end_.t) return end_.pose();
+  auto later = std::upper_bound(segments_.begin(), segments_.end(), t,
+                                [](TimeNs at, const MotionSegment& segment) { return at < segment.t; });
+  if (later == segments_.begin()) return segments_.front().pose(segments_.front().t);
+  return std::prev(later)->pose(t);
+}
+
+Pose RigidTrajectory::pose(TimeNs t) const { return corrected_end_ * (end_.pose().inverse() * predicted(t)); }
+
+void RigidTrajectory::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
+  // T(t) = T_end T_rel with T_rel fixed. eq. TRJ-1.
+  const Pose relative = end_.pose().inverse() * predicted(t);
+  out.resize(6, 6);
+  out.setZero();
+  out.topLeftCorner<3, 3>() = relative.R.transpose();
+  out.bottomLeftCorner<3, 3>() = -corrected_end_.R * hat(relative.p);
+  out.bottomRightCorner<3, 3>().setIdentity();
+}
+
+void Frame::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers) {
+  taps_.assign(fresh.size(), kAllTaps);
+  SampleBatch batch{fresh, {}, taps_};
+  samplers.sample(Sampler::ActsOn::raw, batch);
+  raw_.clear();
+  index_.clear();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    if (taps_[i] == 0) continue;
+    raw_.push_back(fresh[i]);
+    index_.push_back(static_cast<std::uint32_t>(i));
+    taps_[kept++] = taps_[i];
+  }
+  taps_.resize(kept);
+}
+
+namespace {
+
+/// One segment seen from the end of the window: p(tau) = R (p_I + A(tau) w x p_I + B(tau) w x (w x p_I)) + p + v tau +
+/// a tau^2/2.
+struct EndSegment {
+  Mat3 R;
+  Vec3 p, v, half_a, w;
+  double w2;
+
+  EndSegment(const MotionSegment& s, const NavState& end)
+      : R(end.R.transpose() * s.R),
+        p(end.R.transpose() * (s.p - end.p)),
+        v(end.R.transpose() * s.v),
+        half_a(0.5 * end.R.transpose() * s.a_W),
+        w(s.w),
+        w2(s.w.squaredNorm()) {}
+
+  Vec3 at_end(const Vec3& p_I, double tau) const {
+    const double x = w2 * tau * tau;  // squared angle
+    double A = 0;
+    double B = 0;
+    if (x < 0.01) {  // below 0.1 rad: series of sin(x)/x and (1 - cos x)/x^2, exact to 1e-12
+      A = tau * (1.0 - x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0)));
+      B = tau * tau * (0.5 - x / 24.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0)));
+    } else {
+      const double rate = std::sqrt(w2);
+      A = std::sin(rate * tau) / rate;
+      B = (1.0 - std::cos(rate * tau)) / w2;
+    }
+    const Vec3 c = w.cross(p_I);
+    return R * (p_I + A * c + B * w.cross(c)) + p + tau * (v + tau * half_a);
+  }
+};
+
+}  // namespace
+
+void Frame::deskew(const RigidTrajectory& trajectory) {
+  body_.resize(raw_.size());
+  const auto segments = trajectory.segments();
+  const NavState& end = trajectory.predicted_end();
+  std::size_t i = 0;
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    const EndSegment segment(segments[s], end);
+    const TimeNs until = s + 1 < segments.size() ? segments[s + 1].t : kTimeMax;
+    for (; i < raw_.size() && raw_[i].t <= until; ++i) {
+      const Vec3 p_I = T_imu_lidar_ * Vec3(raw_[i].x, raw_[i].y, raw_[i].z);
+      body_[i] = segment.at_end(p_I, to_seconds(raw_[i].t - segments[s].t)).cast<float>();
+    }
+  }
+  for (; i < raw_.size(); ++i) {  // no IMU at all: the points stay as measured
+    body_[i] = (T_imu_lidar_ * Vec3(raw_[i].x, raw_[i].y, raw_[i].z)).cast<float>();
+  }
+}
+
+void Frame::sample_body(SamplerChain& samplers) {
+  SampleBatch batch{raw_, body_, taps_};
+  samplers.sample(Sampler::ActsOn::body, batch);
+  match_body_.clear();
+  match_range_.clear();
+  for (std::size_t i = 0; i < raw_.size(); ++i) {
+    if ((taps_[i] & mask(Tap::match)) == 0) continue;
+    match_body_.push_back(body_[i].cast<double>());
+    match_range_.push_back(Eigen::Vector3f(raw_[i].x, raw_[i].y, raw_[i].z).norm());
+  }
+}
+
+void Frame::place(const Pose& end) {
+  for (auto& list : world_) list.clear();
+  for (std::size_t i = 0; i < raw_.size(); ++i) {
+    if (taps_[i] == 0) continue;
+    const TimedPoint& p = raw_[i];
+    const WorldPoint point{end * body_[i].cast<double>(),
+                           p.t,
+                           Eigen::Vector3f(p.x, p.y, p.z).norm(),
+                           p.intensity,
+                           index_[i],
+                           p.line,
+                           p.feature};
+    for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
+      if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
+    }
+  }
+}
+
+}  // namespace aslio::plugins

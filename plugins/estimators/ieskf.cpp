@@ -1,0 +1,316 @@
+#include "estimators/ieskf.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aslio/core/cpu_clock.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr double kLeverArm = 5.0;  // [m], turns radians into metres when directions are compared
+
+}  // namespace
+
+void Ieskf::describe(config::Binder& b, Params& p) {
+  b.choice("gravity", p.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
+           "what of gravity is estimated: its direction, all three components, or nothing");
+  b.choice("noise", p.noise,
+           {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
+           "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
+           "scale "
+           "factor and delay that grow with the turn rate");
+  b.choice("association", p.association,
+           {{"every_iteration", Association::every_iteration}, {"on_convergence", Association::on_convergence}},
+           "when neighbours are searched again");
+  b.integer("max_iterations", p.max_iterations, "", {.min = 1, .max = 50}, "iterations at most");
+  b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one point-to-surface residual");
+  b.real("converged_m", p.converged_m, "m", {.above = 0, .max = 1},
+         "position step below which an iteration has converged");
+  b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10},
+         "attitude step below which an iteration has converged");
+  b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
+  b.real(
+      "degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
+      "an update whose weakest direction is known worse than this is marked degenerate (rotation at a 5 m lever arm)");
+  b.stage("motion", p.motion, "pose and covariance between updates");
+  b.stage("residual", p.residual, "what a match measures");
+}
+
+Ieskf::Ieskf(const Params& params, const BuildContext& context)
+    : params_(params),
+      exec_(context.exec),
+      sensor_(context.sensor),
+      motion_(params.motion.make(context)),
+      residual_(params.residual.make(context)),
+      frame_(context.sensor) {}
+
+void Ieskf::reset(const InitialState& initial) {
+  state_ = initial.state;
+  P_.setZero();
+  // The world is defined by the first pose, so pose errors start at zero and the error of the measured vertical is one
+  // of g.
+  P_.diagonal().segment<3>(block::theta).setConstant(1e-8);
+  P_.diagonal().segment<3>(block::p).setConstant(1e-8);
+  P_.diagonal().segment<3>(block::v).setConstant(initial.sigma_velocity * initial.sigma_velocity);
+  P_.diagonal().segment<3>(block::b_w).setConstant(initial.sigma_gyro_bias * initial.sigma_gyro_bias);
+  P_.diagonal().segment<3>(block::b_a).setConstant(initial.sigma_acc_bias * initial.sigma_acc_bias);
+  if (params_.gravity != Gravity::fixed) {
+    const double g = state_.g.norm();
+    const Vec3 up = state_.g / g;
+    Mat3 spread = initial.sigma_tilt * initial.sigma_tilt * g * g * (Mat3::Identity() - up * up.transpose());
+    if (params_.gravity == Gravity::free) spread += 1e-4 * up * up.transpose();
+    P_.block<3, 3>(block::g, block::g) = spread;
+  }
+  accepted_t_ = kTimeMin;
+  result_ = Update{};
+}
+
+NavState Ieskf::predict(std::span<const ImuSample> imu) const {
+  NavState state = state_;
+  for (std::size_t i = 1; i < imu.size(); ++i) motion_->step(state, imu[i - 1], imu[i]);
+  return state;
+}
+
+ImuNoise Ieskf::noise_of(const ImuSample& from, const ImuSample& to) const {
+  if (params_.noise == Noise::fastlio) return {0.1, 0.1, 1e-4, 1e-4};
+  const double dt = std::max(to_seconds(to.t - from.t), 1e-6);
+  const auto discrete = [dt](double density) { return density * density / dt; };
+  ImuNoise noise{discrete(sensor_.gyro_noise), discrete(sensor_.acc_noise), discrete(sensor_.gyro_bias_walk),
+                 discrete(sensor_.acc_bias_walk)};
+  if (params_.noise == Noise::rate_scaled) {
+    // eq. MOT-5: a scale error of 1 % and a delay of 3 ms, correlated over 0.1 s.
+    constexpr double scale = 0.01, delay = 0.003, correlation = 0.1;
+    const Vec3 rate = 0.5 * (from.gyro + to.gyro) - state_.b_w;
+    const Vec3 change = (to.gyro - from.gyro) / dt;
+    noise.gyro += (scale * scale * rate.squaredNorm() + delay * delay * change.squaredNorm()) * correlation / dt;
+  }
+  return noise;
+}
+
+void Ieskf::propagate(const Window& window) {
+  const CpuTimer timer(result_.times.predict);
+  NavState state = state_;
+  trajectory_.clear(state);
+  states_.clear();
+  for (std::size_t i = 1; i < window.imu.size(); ++i) {
+    const ImuSample& from = window.imu[i - 1];
+    const ImuSample& to = window.imu[i];
+    motion_->propagate_covariance(state, from, to, noise_of(from, to), P_);
+    const MotionSegment segment = motion_->step(state, from, to);
+    trajectory_.append(segment, state);
+    states_.push_back(state);
+  }
+  state.t = window.plan.end;
+  if (states_.empty()) states_.push_back(state);
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  state_ = state;
+}
+
+void Ieskf::MatchSet::resize(std::size_t n, std::size_t rows_per_match) {
+  world.resize(n);
+  surfaces.resize(n);
+  rows.resize(n * rows_per_match);
+  partials.resize(exec::Executor::chunk_count(n, kGrain));
+}
+
+void Ieskf::load_history(const HistorySelection& past) {
+  const Pose I_from_W = state_.pose().inverse();
+  const std::size_t n = past.points.size();
+  history_.body.resize(n);
+  history_.range.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    history_.body[i] = I_from_W * past.points[i].p_W;  // eq. HIS-1: seen from the prior, then held fixed
+    history_.range[i] = past.points[i].range;
+  }
+}
+
+void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
+  const std::size_t n = set.body.size();
+  set.resize(n, static_cast<std::size_t>(residual_->rows_per_match()));
+  for (std::size_t i = 0; i < n; ++i) set.world[i] = at.R * set.body[i] + at.p;
+  MapQuery query = residual_->query();
+  query.max_stamp = max_stamp;
+  map.correspond(set.world, query, set.neighbours);
+  residual_->fit(set.world, set.neighbours, set.surfaces);
+}
+
+PoseInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) {
+  const std::size_t n = set.body.size();
+  for (std::size_t i = 0; i < n; ++i) set.world[i] = at.R * set.body[i] + at.p;
+  residual_->evaluate(set.world, set.range, set.surfaces, params_.sigma, set.rows);
+  const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
+  const Mat3 Rt = at.R.transpose();
+  return exec_.reduce(
+      n, kGrain, PoseInformation{}, std::span<PoseInformation>(set.partials),
+      [&](std::size_t begin, std::size_t end) {
+        PoseInformation sum;
+        for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
+          const ResidualRow& z = set.rows[row];
+          if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
+          sum.add(set.body[row / rows_per_match], Rt, z.J, z.r, z.information);  // eq. IESKF-1
+        }
+        return sum;
+      },
+      [](PoseInformation& total, const PoseInformation& part) { total += part; });
+}
+
+void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
+  constexpr double no_gate = std::numeric_limits<double>::infinity();
+  const NavState prior = state_;
+  NavState x = prior;
+  bool search = true;
+  bool converged = false;
+  for (int j = 0; j < params_.max_iterations; ++j) {
+    if (search) {
+      const CpuTimer timer(result_.times.associate);
+      associate(fresh_, x, context.map, 0xffffffff);
+      associate(history_, x, context.map, past.max_stamp);
+    }
+    const CpuTimer timer(result_.times.solve);
+    Evaluation sums;
+    sums.fresh = evaluate(fresh_, x, no_gate);
+    sums.history = evaluate(history_, x, context.histories.gate(params_.sigma));
+    result_.iterations = j + 1;
+    result_.fresh_matches = static_cast<std::uint32_t>(sums.fresh.accepted);
+    result_.history_matches = static_cast<std::uint32_t>(sums.history.accepted);
+    if (static_cast<std::int64_t>(sums.fresh.accepted) < params_.min_matches) return refuse(UpdateStatus::few_matches);
+
+    const double weight = context.histories.weight(sums.fresh.accepted, sums.history.accepted);
+    const Mat6 A_new = sums.fresh.full();
+    const Mat6 A_all = A_new + weight * sums.history.full();
+    const Vec6 b_all = sums.fresh.b + weight * sums.history.b;
+    const StateVector d = box_minus(x, prior);
+    const StateMatrix P = transported_covariance(P_, d.head<3>());
+    const StateVector delta = iteration_step(P, A_all, b_all, d);
+    if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
+    x = box_plus(x, delta, params_.gravity != Gravity::free);
+    const double turn = delta.segment<3>(block::theta).norm();
+    const double shift = delta.segment<3>(block::p).norm();
+    converged = turn < params_.converged_deg * kRadPerDeg && shift < params_.converged_m;
+    const bool last = converged || j + 1 == params_.max_iterations;
+    if (last) {
+      result_.status = converged || (turn < 10 * params_.converged_deg * kRadPerDeg && shift < 10 * params_.converged_m)
+                           ? UpdateStatus::ok
+                           : UpdateStatus::not_converged;
+      return accept(x, P, sums, A_all, past);
+    }
+    search = params_.association == Association::every_iteration;
+  }
+}
+
+void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Mat6& A_all,
+                   const HistorySelection& past) {
+  const Mat6 A_new = last.fresh.full();
+  const StateMatrix P = posterior_covariance(P_iterate, A_new, A_all, past.covariance);
+  if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
+
+  // Directions are compared in metres: a rotation counts at the lever arm of a typical point.
+  Vec6 scale;
+  scale << Vec3::Constant(1.0 / kLeverArm), Vec3::Ones();
+  const Mat6 scaled = scale.asDiagonal() * A_new * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
+  for (int i = 0; i < 6; ++i) result_.spectrum[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
+  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * solver.eigenvalues()[0];
+  if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
+
+  state_ = posterior;
+  P_ = P;
+  result_.accepted = true;
+  result_.insert = true;
+  accepted_t_ = state_.t;
+  accepted_position_variance_ = P_.diagonal().segment<3>(block::p).maxCoeff();
+  accepted_tilt_variance_ = P_.diagonal().segment<3>(block::theta).maxCoeff();
+}
+
+bool Ieskf::dead_reckoning_is_good() const {
+  constexpr double max_position = 0.1, max_turn = kRadPerDeg;
+  if (accepted_t_ == kTimeMin || state_.t - accepted_t_ > kSecond) return false;
+  const double position = P_.diagonal().segment<3>(block::p).maxCoeff() - accepted_position_variance_;
+  const double turn = P_.diagonal().segment<3>(block::theta).maxCoeff() - accepted_tilt_variance_;
+  return position < max_position * max_position && turn < max_turn * max_turn;
+}
+
+void Ieskf::refuse(UpdateStatus status) {
+  result_.status = status;
+  result_.accepted = false;
+  // Unseen space can only become known by inserting it: go on while dead reckoning is still good (eq. IESKF-8).
+  result_.insert = status == UpdateStatus::few_matches && dead_reckoning_is_good();
+}
+
+const Update& Ieskf::update(const Window& window, const HistorySelection& past, const StepContext& context) {
+  result_ = Update{};
+  const StateMatrix P_before = P_;
+  const NavState before = state_;
+  propagate(window);
+  if (!P_.allFinite() || !state_.p.allFinite() || !state_.v.allFinite() || !state_.R.allFinite()) {
+    P_ = P_before;
+    state_ = before;
+    state_.t = window.plan.end;
+    refuse(UpdateStatus::non_finite);
+    result_.insert = false;
+  }
+  result_.prior = state_;
+  {
+    const CpuTimer timer(result_.times.sample);
+    frame_.sample_raw(window.fresh, context.samplers);
+  }
+  {
+    const CpuTimer timer(result_.times.deskew);
+    frame_.deskew(trajectory_);
+  }
+  {
+    const CpuTimer timer(result_.times.sample);
+    frame_.sample_body(context.samplers);
+  }
+  fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
+  fresh_.range.assign(frame_.match_range().begin(), frame_.match_range().end());
+  load_history(past);
+  result_.history_points = static_cast<std::uint32_t>(past.points.size());
+  if (context.map.size() == 0) {
+    result_.status = UpdateStatus::initialising;
+    accepted_t_ = state_.t;
+    accepted_position_variance_ = P_.diagonal().segment<3>(block::p).maxCoeff();
+    accepted_tilt_variance_ = P_.diagonal().segment<3>(block::theta).maxCoeff();
+  } else if (result_.status != UpdateStatus::non_finite) {
+    iterate(past, context);
+  }
+  finish();
+  return result_;
+}
+
+void Ieskf::finish() {
+  const CpuTimer timer(result_.times.solve);
+  trajectory_.correct(state_.pose());
+  frame_.place(state_.pose());
+  records_.assign(fresh_.body.size(), MatchRecord{});
+  if (result_.accepted) {
+    const PoseInformation sum = evaluate(fresh_, state_, std::numeric_limits<double>::infinity());
+    const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
+    for (std::size_t row = 0; row < fresh_.rows.size(); ++row) {
+      const ResidualRow& z = fresh_.rows[row];
+      MatchRecord& record = records_[row / rows_per_match];
+      if (z.information <= 0.0) continue;
+      record.accepted = true;
+      record.residual = static_cast<float>(z.r);
+    }
+    if (sum.accepted > 0) result_.residual_rms = std::sqrt(sum.squared_sum / static_cast<double>(sum.accepted));
+    result_.neighbours = &fresh_.neighbours;
+  }
+  states_.back() = state_;
+  result_.state = state_;
+  result_.P = P_;
+  result_.states = states_;
+  result_.trajectory = &trajectory_;
+  result_.matches = records_;
+  result_.overlap_points = frame_.world(Tap::overlap);
+  result_.map_points = frame_.world(Tap::map);
+  result_.match_points = frame_.world(Tap::match);
+}
+
+}  // namespace aslio::plugins

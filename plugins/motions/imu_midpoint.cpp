@@ -1,0 +1,68 @@
+#include "motions/imu_midpoint.hpp"
+
+#include "motions/imu_transition.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+/// Mean rate and specific force of an interval, bias-corrected.
+struct MeanInput {
+  double dt;
+  Vec3 w, a;
+};
+
+MeanInput mean_input(const NavState& state, const ImuSample& from, const ImuSample& to) {
+  return {to_seconds(to.t - from.t), 0.5 * (from.gyro + to.gyro) - state.b_w, 0.5 * (from.acc + to.acc) - state.b_a};
+}
+
+ImuTransition transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
+  const MeanInput u = mean_input(before, from, to);
+  const Vec3 half_turn = 0.5 * u.dt * u.w;
+  const Mat3 R_mid = before.R * exp_so3(half_turn);
+  ImuTransition f;
+  f.dt = u.dt;
+  f.position_factor = 0.5 * u.dt;
+  f.theta_theta = exp_so3(-u.dt * u.w);
+  f.theta_bw = -u.dt * right_jacobian_so3(u.dt * u.w);
+  f.v_theta = -u.dt * before.R * hat(exp_so3(half_turn) * u.a);
+  f.v_bw = 0.5 * u.dt * u.dt * R_mid * hat(u.a) * right_jacobian_so3(half_turn);
+  f.v_ba = -u.dt * R_mid;
+  return f;
+}
+
+}  // namespace
+
+void ImuMidpoint::describe(config::Binder& b, Params& p) {
+  (void)b;
+  (void)p;
+}
+
+ImuMidpoint::ImuMidpoint(const Params& params, const BuildContext& context) {
+  (void)params;
+  (void)context;
+}
+
+MotionSegment ImuMidpoint::step(NavState& state, const ImuSample& from, const ImuSample& to) const {
+  const MeanInput u = mean_input(state, from, to);
+  // eq. MOT-1: rotate the force by the attitude in the middle; the start attitude would lag by half a step.
+  const Vec3 a_W = state.R * (exp_so3(0.5 * u.dt * u.w) * u.a) + state.g;
+  const MotionSegment segment{from.t, u.dt, state.R, state.p, state.v, u.w, a_W};
+  state.R = orthonormalised(state.R * exp_so3(u.dt * u.w));
+  state.p += u.dt * state.v + 0.5 * u.dt * u.dt * a_W;
+  state.v += u.dt * a_W;
+  state.t = to.t;
+  return segment;
+}
+
+void ImuMidpoint::propagate_covariance(const NavState& before, const ImuSample& from, const ImuSample& to,
+                                       const ImuNoise& noise, StateMatrix& P) const {
+  transition(before, from, to).apply(noise, P);
+}
+
+void ImuMidpoint::linearise(const NavState& before, const ImuSample& from, const ImuSample& to, StateMatrix& F,
+                            Eigen::Matrix<double, kStateDim, 12>& G) const {
+  transition(before, from, to).dense(F, G);
+}
+
+}  // namespace aslio::plugins

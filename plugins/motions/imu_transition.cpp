@@ -1,0 +1,70 @@
+#include "motions/imu_transition.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+using Rows = Eigen::Matrix<double, 3, kStateDim>;
+
+/// theta, p and v rows of F X for an 18 x 18 X whose rows are blocks of the error state.
+struct MovedRows {
+  Rows theta, p, v;
+};
+
+MovedRows moved_rows(const ImuTransition& f, const StateMatrix& X) {
+  const auto x_theta = X.middleRows<3>(block::theta);
+  const auto x_v = X.middleRows<3>(block::v);
+  const auto x_bw = X.middleRows<3>(block::b_w);
+  MovedRows out;
+  out.theta.noalias() = f.theta_theta * x_theta;
+  out.theta.noalias() += f.theta_bw * x_bw;
+  Rows increment = f.dt * X.middleRows<3>(block::g);
+  increment.noalias() += f.v_theta * x_theta;
+  increment.noalias() += f.v_bw * x_bw;
+  increment.noalias() += f.v_ba * X.middleRows<3>(block::b_a);
+  out.v = x_v + increment;
+  out.p = X.middleRows<3>(block::p) + f.dt * x_v + f.position_factor * increment;
+  return out;
+}
+
+void assign_rows(const MovedRows& rows, StateMatrix& X) {
+  X.middleRows<3>(block::theta) = rows.theta;
+  X.middleRows<3>(block::p) = rows.p;
+  X.middleRows<3>(block::v) = rows.v;
+}
+
+}  // namespace
+
+void ImuTransition::apply(const ImuNoise& noise, StateMatrix& P) const {
+  // P <- F P F^T: F acts on rows, then (P symmetric) on the rows of the transpose.
+  assign_rows(moved_rows(*this, P), P);
+  StateMatrix transposed = P.transpose();
+  assign_rows(moved_rows(*this, transposed), transposed);
+  P = transposed;
+
+  // P += G Q G^T. eq. MOT-2: gyro noise enters theta, v and p through the columns of b_w, accelerometer noise through
+  // b_a.
+  Eigen::Matrix<double, 9, 3> gyro;
+  gyro << theta_bw, position_factor * v_bw, v_bw;
+  Eigen::Matrix<double, 6, 3> acc;
+  acc << position_factor * v_ba, v_ba;
+  P.topLeftCorner<9, 9>().noalias() += noise.gyro * gyro * gyro.transpose();
+  P.block<6, 6>(block::p, block::p).noalias() += noise.acc * acc * acc.transpose();
+  P.diagonal().segment<3>(block::b_w).array() += noise.gyro_bias * dt * dt;
+  P.diagonal().segment<3>(block::b_a).array() += noise.acc_bias * dt * dt;
+}
+
+void ImuTransition::dense(StateMatrix& F, Eigen::Matrix<double, kStateDim, 12>& G) const {
+  F = StateMatrix::Identity();
+  assign_rows(moved_rows(*this, F), F);
+  G.setZero();
+  G.block<3, 3>(block::theta, 0) = theta_bw;
+  G.block<3, 3>(block::v, 0) = v_bw;
+  G.block<3, 3>(block::p, 0) = position_factor * v_bw;
+  G.block<3, 3>(block::v, 3) = v_ba;
+  G.block<3, 3>(block::p, 3) = position_factor * v_ba;
+  G.block<3, 3>(block::b_w, 6) = dt * Mat3::Identity();
+  G.block<3, 3>(block::b_a, 9) = dt * Mat3::Identity();
+}
+
+}  // namespace aslio::plugins

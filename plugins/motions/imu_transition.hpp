@@ -1,0 +1,23 @@
+#pragma once
+/// First-order transition of one IMU interval in block form, shared by the IMU motion models: only the blocks that are
+/// neither zero nor identity are stored, so that propagating P costs a few 3x18 products.
+
+#include "aslio/stages/motion.hpp"
+
+namespace aslio::plugins {
+
+/// Error order (theta, p, v, b_w, b_a, g); noise order (n_w, n_a, n_bw, n_ba). docs/equations.md MOT-2.
+struct ImuTransition {
+  double dt = 0;
+  double position_factor = 0;  ///< the p rows are this times the v rows, plus I and I dt: dt/2 (midpoint) or 0 (Euler)
+  Mat3 theta_theta;            ///< Exp(-w dt)
+  Mat3 theta_bw;               ///< -J_r(w dt) dt; also theta_nw
+  Mat3 v_theta;
+  Mat3 v_bw;  ///< also v_nw
+  Mat3 v_ba;  ///< -R_m dt; also v_na
+
+  void apply(const ImuNoise& noise, StateMatrix& P) const;
+  void dense(StateMatrix& F, Eigen::Matrix<double, kStateDim, 12>& G) const;
+};
+
+}  // namespace aslio::plugins
