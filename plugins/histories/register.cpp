@@ -1,10 +1,14 @@
 #include "aslio/plugin/registry.hpp"
-#include "aslio/stages/history.hpp"
+#include "histories/balanced.hpp"
+#include "histories/none.hpp"
 
 namespace aslio::plugins {
 
 void register_histories(plugin::Registry<HistoryPolicy>& registry);
 
-void register_histories(plugin::Registry<HistoryPolicy>& registry) { (void)registry; }
+void register_histories(plugin::Registry<HistoryPolicy>& registry) {
+  registry.add<NoHistory>("none", "every update stands on its fresh points alone");
+  registry.add<BalancedHistory>("balanced", "old points of the window weigh together a set share of the fresh ones");
+}
 
 }  // namespace aslio::plugins

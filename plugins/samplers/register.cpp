@@ -1,10 +1,16 @@
 #include "aslio/plugin/registry.hpp"
-#include "aslio/stages/sampler.hpp"
+#include "samplers/range.hpp"
+#include "samplers/stride.hpp"
+#include "samplers/voxel.hpp"
 
 namespace aslio::plugins {
 
 void register_samplers(plugin::Registry<Sampler>& registry);
 
-void register_samplers(plugin::Registry<Sampler>& registry) { (void)registry; }
+void register_samplers(plugin::Registry<Sampler>& registry) {
+  registry.add<RangeSampler>("range", "drops points nearer or farther than two ranges");
+  registry.add<StrideSampler>("stride", "keeps every k-th point of the stream, or a share of its firings");
+  registry.add<VoxelSampler>("voxel", "keeps one point per cube of the de-skewed frame");
+}
 
 }  // namespace aslio::plugins

@@ -1,0 +1,54 @@
+#include "samplers/stride.hpp"
+
+#include <numeric>
+
+namespace aslio::plugins {
+
+namespace {
+
+/// Finaliser of splitmix64: every bit of the result depends on every bit of x.
+std::uint64_t mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+void StrideSampler::describe(config::Binder& b, Params& p) {
+  b.integer("keep_every", p.keep_every, "", {.min = 1, .max = 1e6}, "one in so many points (or firings) is kept");
+  b.choice("by", p.by, {{"point", By::point}, {"firing", By::firing}},
+           "count points over the stream, or keep a share of whole firings (points of equal time)");
+  describe_taps(b, p.taps);
+}
+
+StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
+    : keep_every_(static_cast<std::uint32_t>(params.keep_every)),
+      phase_(static_cast<std::uint32_t>(context.order_seed % keep_every_)),
+      seed_(context.order_seed),
+      by_(params.by),
+      taps_(tap_mask(params.taps)) {
+  const auto lines = static_cast<std::uint32_t>(context.sensor.scan_lines);
+  const std::uint32_t common = std::gcd(keep_every_, lines);
+  if (by_ == By::point && common > 1 && context.log) {
+    context.log->warn(
+        "sampler stride: keep_every {} and the sensor's {} interleaved scan lines share the factor {}: only {} of the "
+        "lines are ever kept. Use a stride without common factor, or by: firing",
+        keep_every_, lines, common, lines / common);
+  }
+}
+
+bool StrideSampler::keeps(const TimedPoint& p) const {
+  if (by_ == By::point) return p.index % keep_every_ == phase_;
+  return mix(static_cast<std::uint64_t>(p.t) + 0x9e3779b97f4a7c15ULL * (seed_ + 1)) % keep_every_ == 0;
+}
+
+void StrideSampler::sample(SampleBatch& batch) {
+  const auto cleared = static_cast<TapMask>(~taps_);
+  for (std::size_t i = 0; i < batch.raw.size(); ++i) {
+    if ((batch.taps[i] & taps_) != 0 && !keeps(batch.raw[i]))
+      batch.taps[i] = static_cast<TapMask>(batch.taps[i] & cleared);
+  }
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,93 @@
+#include "samplers/voxel.hpp"
+
+#include <bit>
+
+namespace aslio::plugins {
+
+namespace {
+
+constexpr float kFarthestCell = 1 << 20;
+
+/// floor() without a call into the C library (baseline x86-64 has no instruction for it).
+std::int32_t floor_to_int(float x) {
+  const auto truncated = static_cast<std::int32_t>(x);
+  return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
+}
+
+/// Distance along one axis from the centre of the cell, in leaves.
+float from_centre(float x, std::int32_t cell) { return x - (static_cast<float>(cell) + 0.5f); }
+
+void clear(TapMask& taps, TapMask bits) { taps = static_cast<TapMask>(taps & ~bits); }
+
+}  // namespace
+
+void VoxelSampler::describe(config::Binder& b, Params& p) {
+  b.real("leaf", p.leaf, "m", {.min = 0.01, .max = 100.0}, "edge of a cube");
+  b.choice("keep", p.keep, {{"centre", Keep::centre}, {"first", Keep::first}},
+           "which point of a cube stays: the nearest to its centre, or the first in time");
+  describe_taps(b, p.taps);
+}
+
+VoxelSampler::VoxelSampler(const Params& params, const BuildContext&)
+    : leaves_per_metre_(static_cast<float>(1.0 / params.leaf)), keep_(params.keep), taps_(tap_mask(params.taps)) {}
+
+void VoxelSampler::sample(SampleBatch& batch) {
+  TapMask any = 0;
+  auto all = taps_;
+  for (const TapMask taps : batch.taps) {
+    const auto own = static_cast<TapMask>(taps & taps_);
+    if (own == 0) continue;
+    any = static_cast<TapMask>(any | own);
+    all = static_cast<TapMask>(all & own);
+  }
+  if (any == 0) return;
+  // Usually every point left has the same taps and one competition decides for all of them.
+  if (any == all) return compete(batch, any);
+  for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
+    if ((any & mask(tap)) != 0) compete(batch, mask(tap));
+  }
+}
+
+void VoxelSampler::start_pass(std::size_t points) {
+  const std::size_t wanted = std::bit_ceil(2 * points);  // at most half full
+  if (slots_.size() < wanted) slots_.resize(wanted);
+  shift_ = 64 - std::countr_zero(wanted);
+  if (++pass_ == 0) {
+    for (Slot& slot : slots_) slot.pass = 0;
+    pass_ = 1;
+  }
+}
+
+void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
+  start_pass(batch.taps.size());
+  const std::size_t last = (std::size_t{1} << (64 - shift_)) - 1;
+  for (std::size_t i = 0; i < batch.taps.size(); ++i) {
+    if ((batch.taps[i] & taps) == 0) continue;
+    const Eigen::Vector3f p = batch.body[i] * leaves_per_metre_;
+    if (!(p.cwiseAbs().maxCoeff() < kFarthestCell) || !p.allFinite()) {
+      clear(batch.taps[i], taps);
+      continue;
+    }
+    const std::int32_t x = floor_to_int(p.x()), y = floor_to_int(p.y()), z = floor_to_int(p.z());
+    constexpr std::uint64_t kCoordinate = (1U << 21) - 1;
+    const std::uint64_t key = ((static_cast<std::uint64_t>(x) & kCoordinate) << 42) |
+                              ((static_cast<std::uint64_t>(y) & kCoordinate) << 21) |
+                              (static_cast<std::uint64_t>(z) & kCoordinate);
+    const float dx = from_centre(p.x(), x), dy = from_centre(p.y(), y), dz = from_centre(p.z(), z);
+    const float squared = keep_ == Keep::first ? 0.0f : dx * dx + dy * dy + dz * dz;
+    std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15ULL) >> shift_;
+    while (slots_[at].pass == pass_ && slots_[at].key != key) at = (at + 1) & last;
+    Slot& slot = slots_[at];
+    if (slot.pass != pass_) {
+      slot = {key, pass_, static_cast<std::uint32_t>(i), squared};
+    } else if (squared < slot.squared) {
+      clear(batch.taps[slot.holder], taps);
+      slot.holder = static_cast<std::uint32_t>(i);
+      slot.squared = squared;
+    } else {
+      clear(batch.taps[i], taps);
+    }
+  }
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,55 @@
+#pragma once
+/// `voxel`: one point per cube of the de-skewed frame, so that near surfaces do not outvote far ones.
+
+#include <cstdint>
+#include <vector>
+
+#include "aslio/stages/build_context.hpp"
+#include "aslio/stages/sampler.hpp"
+#include "samplers/taps.hpp"
+
+namespace aslio::plugins {
+
+class VoxelSampler final : public Sampler {
+ public:
+  /// Which point of a cube stays.
+  enum class Keep : std::uint8_t {
+    centre,  ///< the one nearest to the centre of the cube; of equal ones the first
+    first    ///< the first in time
+  };
+
+  struct Params {
+    double leaf = 0.3;
+    Keep keep = Keep::centre;
+    TapNames taps{"map", "match"};
+  };
+  static void describe(config::Binder& b, Params& p);
+
+  VoxelSampler(const Params& params, const BuildContext& context);
+
+  ActsOn acts_on() const override { return ActsOn::body; }
+  /// Points compete within a cube, for each tap among those that still have it. Cubes are aligned to the body frame
+  /// at the end of the window. Points that are not finite, or 2^20 cubes away, lose the taps.
+  void sample(SampleBatch& batch) override;
+
+ private:
+  /// A cube that has a holder in the pass `pass`.
+  struct Slot {
+    std::uint64_t key = 0;
+    std::uint32_t pass = 0;
+    std::uint32_t holder = 0;
+    float squared = 0;  ///< distance of the holder from the centre of the cube, in leaves^2
+  };
+
+  void compete(SampleBatch& batch, TapMask taps);
+  void start_pass(std::size_t points);
+
+  float leaves_per_metre_;
+  Keep keep_;
+  TapMask taps_;
+  std::vector<Slot> slots_;  ///< open addressing; a slot of an older pass is free, so that nothing needs clearing
+  std::uint32_t pass_ = 0;
+  int shift_ = 0;  ///< of a 64-bit hash to a slot in use
+};
+
+}  // namespace aslio::plugins

@@ -1,0 +1,51 @@
+#include "windows/fixed.hpp"
+
+#include <algorithm>
+
+#include "windows/tiling.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+/// Fresh interval that ends with a sweep, so that windows and revolutions of a spinning sensor coincide.
+std::optional<Tile> settle_sweep(const StreamView& stream, TimeNs begin, TimeNs period) {
+  if (exhausted(stream, begin)) return std::nullopt;
+  const auto end = stream.sweep_end_after(begin);
+  if (!end || !arrived(stream, *end)) return std::nullopt;
+  return Tile{.end = *end, .extended = false, .partial = *end - begin > 2 * period};
+}
+
+}  // namespace
+
+void FixedWindow::describe(config::Binder& b, Params& p) {
+  b.real("period", p.period, "s", {.min = 1e-3, .max = 10.0}, "time between updates");
+  b.choice("cut", p.cut, {{"time", Cut::time}, {"sweep", Cut::sweep}},
+           "where a window ends: every period, or with the last point of each sweep");
+  b.optional_real("frame_length", p.frame_length, "s", {.min = 1e-3, .max = 10.0}, "= period",
+                  "length of a window with its history; what exceeds the period is history");
+  b.require(!p.frame_length || *p.frame_length >= p.period, "frame_length",
+            "must be at least the period, or points between two windows would never be used");
+}
+
+FixedWindow::FixedWindow(const Params& params, const BuildContext&)
+    : period_(to_ns(params.period)),
+      frame_length_(to_ns(params.frame_length.value_or(params.period))),
+      cut_(params.cut) {}
+
+std::optional<WindowPlan> FixedWindow::next(const StreamView& stream, const Feedback& feedback, OverlapProbe&) {
+  const auto tile = cut_ == Cut::sweep ? settle_sweep(stream, feedback.t, period_)
+                                       : settle(stream, {.begin = feedback.t, .shift = period_, .limit = period_});
+  if (!tile) return std::nullopt;
+  WindowPlan plan;
+  plan.fresh_begin = feedback.t;
+  plan.end = tile->end;
+  // Without a longer frame there is no history, not even in a window that came out shorter than the period.
+  plan.history_begin = frame_length_ > period_ ? std::min(tile->end - frame_length_, feedback.t) : feedback.t;
+  plan.partial = tile->partial;
+  return plan;
+}
+
+TimeNs FixedWindow::reach() const { return frame_length_ > period_ ? frame_length_ : 0; }
+
+}  // namespace aslio::plugins

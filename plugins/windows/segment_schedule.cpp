@@ -1,0 +1,38 @@
+#include "windows/segment_schedule.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aslio::plugins {
+
+std::int64_t SegmentSchedule::wanted(double overlap) const {
+  // 1e-9: so that an overlap of 0.8 with a step of 0.1 gives 3 and not, through rounding, 4.
+  const double segments = std::ceil((1.0 - overlap) / seg_step_ - 1e-9) + 1.0;
+  return static_cast<std::int64_t>(std::clamp(segments, 2.0, static_cast<double>(n_limit_)));
+}
+
+void SegmentSchedule::observe(std::optional<double> overlap) {
+  echo_ = std::max<std::int64_t>(echo_ - 1, 0);
+  if (!overlap || !std::isfinite(*overlap)) return;
+  const std::int64_t asked = wanted(*overlap);
+  if (asked > n_) {
+    arm(asked);
+  } else if (echo_ == 0) {
+    arm(recover_ == Recover::ramp ? std::max(asked, n_ - 1) : asked);
+  }
+}
+
+bool SegmentSchedule::anticipate(std::optional<double> overlap) {
+  if (!overlap || !std::isfinite(*overlap) || wanted(*overlap) <= n_) return false;
+  arm(wanted(*overlap));
+  return true;
+}
+
+void SegmentSchedule::restart() { arm(2); }
+
+void SegmentSchedule::arm(std::int64_t n) {
+  n_ = n;
+  echo_ = n <= 2 ? 1 : n;
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,55 @@
+#pragma once
+/// From overlap to update rate: AS-LIO eqs. (7)-(8) and the echo. (WIN-1, WIN-2; METHODS sliding window.)
+
+#include <cstdint>
+#include <optional>
+
+#include "aslio/core/time.hpp"
+
+namespace aslio::plugins {
+
+/// How the rate falls when an echo has ended.
+enum class Recover : std::uint8_t {
+  step,  ///< to what the latest overlap asks for, in one jump
+  ramp   ///< by one segment per echo
+};
+
+/// State machine of the adaptive window. n is the number of half-window segments in a window of length L (seg_time):
+/// an update comes every 2 L / n. It rises at once and falls only when its echo of n updates (2 L of stream) has run
+/// out, for the continuity of motion.
+class SegmentSchedule {
+ public:
+  /// seg_step in (0, 1]: loss of overlap per segment; n_limit >= 2: largest n.
+  SegmentSchedule(double seg_step, std::int64_t n_limit, Recover recover)
+      : seg_step_(seg_step), n_limit_(n_limit), recover_(recover) {}
+
+  /// n that an overlap in [0, 1] asks for. eq. WIN-1, AS-LIO (7), clamped to [2, n_limit]: n = 1 would leave a hole of
+  /// L.
+  std::int64_t wanted(double overlap) const;
+  /// Time between updates for a window of length L [ns], rounded down. eq. WIN-2, AS-LIO (8).
+  TimeNs shift(TimeNs frame_length) const { return 2 * frame_length / n_; }
+
+  /// After each update: the overlap it measured. An undefined one keeps n; the echo, a stretch of stream, runs on.
+  void observe(std::optional<double> overlap);
+  /// Before an update: the overlap predicted for coming points. Only a rise of n counts; says whether there was one.
+  bool anticipate(std::optional<double> overlap);
+  /// Back to the start: n = 2 (warm-up of the map).
+  void restart();
+  /// The next overlap decides, whatever was left of the echo (gap in the data).
+  void end_echo() { echo_ = 0; }
+
+  std::int64_t n() const { return n_; }
+  /// Updates left at this n.
+  std::int64_t echo() const { return echo_; }
+
+ private:
+  void arm(std::int64_t n);
+
+  double seg_step_;
+  std::int64_t n_limit_;
+  Recover recover_;
+  std::int64_t n_ = 2;
+  std::int64_t echo_ = 1;
+};
+
+}  // namespace aslio::plugins

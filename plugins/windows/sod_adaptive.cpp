@@ -1,0 +1,96 @@
+#include "windows/sod_adaptive.hpp"
+
+#include <algorithm>
+
+namespace aslio::plugins {
+
+namespace {
+
+/// Step at which coming points are looked at [ns]: 2.6 deg of a 257 deg/s turn.
+constexpr TimeNs kLookaheadStep = 10'000'000;
+
+}  // namespace
+
+void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
+  b.real("frame_length", p.frame_length, "s", {.min = 1e-3, .max = 10.0},
+         "length L of a window with its history; the longest time between updates");
+  b.real("seg_step", p.seg_step, "", {.min = 1e-3, .max = 1.0},
+         "loss of overlap per segment: n = ceil((1 - overlap) / seg_step) + 1, an update every 2 L / n");
+  b.integer("n_max", p.n_max, "", {.min = 2, .max = 1000}, "largest number of segments n");
+  b.real("shift_min", p.shift_min, "s", {.min = 1e-4, .max = 10.0},
+         "shortest time between updates; acts as n <= 2 L / shift_min");
+  b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
+         "time after the first insertion into the map during which the overlap is ignored (n = 2)");
+  b.choice("recover", p.recover, {{"step", Recover::step}, {"ramp", Recover::ramp}},
+           "how n falls when an echo has ended: to the latest overlap at once, or by one per echo");
+  b.flag("lookahead", p.lookahead,
+         "score coming points at the predicted pose every 10 ms and cut the pending window short when n rises");
+  b.integer("min_points", p.min_points, "points", {.min = 0, .max = 1e6},
+            "with fewer raw points in the sensor's range the time between updates grows, up to L");
+  b.require(p.shift_min <= p.frame_length, "shift_min", "must not exceed frame_length");
+}
+
+SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& context)
+    : frame_length_(to_ns(params.frame_length)),
+      warmup_(to_ns(params.warmup)),
+      lookahead_(params.lookahead),
+      request_{.shift = frame_length_,
+               .limit = frame_length_,
+               .min_points = static_cast<std::size_t>(params.min_points),
+               .min_range = context.sensor.min_range,
+               .max_range = context.sensor.max_range},
+      schedule_(params.seg_step, std::min(params.n_max, 2 * frame_length_ / to_ns(params.shift_min)), params.recover) {}
+
+bool SodAdaptiveWindow::warming_up(const Feedback& feedback) const {
+  return feedback.first_insertion == kTimeMax || feedback.t - feedback.first_insertion < warmup_;
+}
+
+void SodAdaptiveWindow::absorb(const Feedback& feedback) {
+  // An almost empty map would score every frame as new. A frame with few matches is no reason to doubt a low overlap.
+  if (warming_up(feedback)) {
+    schedule_.restart();
+  } else {
+    schedule_.observe(feedback.overlap.value);
+  }
+  request_.shift = schedule_.shift(frame_length_);
+  probed_ = 0;
+  awaits_feedback_ = false;
+}
+
+bool SodAdaptiveWindow::look_ahead(const StreamView& stream, TimeNs begin, OverlapProbe& probe) {
+  while (probed_ + kLookaheadStep < request_.shift) {
+    const TimeNs until = begin + probed_ + kLookaheadStep;
+    if (!arrived(stream, until)) return false;
+    probed_ += kLookaheadStep;
+    // The points looked at belong to this window in any case.
+    if (schedule_.anticipate(probe.overlap(until).value)) {
+      request_.shift = std::max(schedule_.shift(frame_length_), probed_);
+    }
+  }
+  return true;
+}
+
+std::optional<WindowPlan> SodAdaptiveWindow::next(const StreamView& stream, const Feedback& feedback,
+                                                  OverlapProbe& probe) {
+  if (awaits_feedback_) absorb(feedback);
+  if (exhausted(stream, feedback.t)) return std::nullopt;
+  if (lookahead_ && !warming_up(feedback) && !look_ahead(stream, feedback.t, probe)) return std::nullopt;
+  request_.begin = feedback.t;
+  const auto tile = settle(stream, request_);
+  if (!tile) return std::nullopt;
+
+  WindowPlan plan;
+  plan.fresh_begin = feedback.t;
+  plan.end = tile->end;
+  plan.history_begin = std::min(tile->end - frame_length_, feedback.t);
+  plan.seg_time = static_cast<double>(schedule_.n());
+  plan.shift_time = to_seconds(schedule_.shift(frame_length_));
+  plan.echo = static_cast<std::uint32_t>(schedule_.echo());
+  plan.extended = tile->extended;
+  plan.partial = tile->partial;
+  if (tile->end - feedback.t > 2 * frame_length_) schedule_.end_echo();
+  awaits_feedback_ = true;
+  return plan;
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,46 @@
+#pragma once
+/// `sod_adaptive`: the window of AS-LIO. The lower the spatial overlap of the last frame with the map, the sooner the
+/// next update. (AS-LIO section III-C, eqs. (7)-(8); WIN-1, WIN-2)
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "aslio/stages/window.hpp"
+#include "windows/segment_schedule.hpp"
+#include "windows/tiling.hpp"
+
+namespace aslio::plugins {
+
+class SodAdaptiveWindow final : public WindowStrategy {
+ public:
+  struct Params {
+    double frame_length = 0.1;
+    double seg_step = 0.1;
+    std::int64_t n_max = 25;
+    double shift_min = 0.008;
+    double warmup = 1.0;
+    Recover recover = Recover::step;
+    bool lookahead = false;
+    std::int64_t min_points = 300;
+  };
+  static void describe(config::Binder& b, Params& p);
+
+  SodAdaptiveWindow(const Params& params, const BuildContext& context);
+
+  std::optional<WindowPlan> next(const StreamView& stream, const Feedback& feedback, OverlapProbe& probe) override;
+  TimeNs reach() const override { return frame_length_; }
+
+ private:
+  bool warming_up(const Feedback& feedback) const;
+  void absorb(const Feedback& feedback);
+  bool look_ahead(const StreamView& stream, TimeNs begin, OverlapProbe& probe);
+
+  TimeNs frame_length_;
+  TimeNs warmup_;
+  bool lookahead_;
+  TileRequest request_;  ///< constants of every request; begin and shift are those of the pending window
+  SegmentSchedule schedule_;
+  bool awaits_feedback_ = false;  ///< a window was returned and its feedback not yet seen
+  TimeNs probed_ = 0;             ///< part of the pending window already looked at [ns]
+};
+
+}  // namespace aslio::plugins
