@@ -15,12 +15,12 @@ class Trajectory {
   /// Throws DataError when times do not strictly increase or a pose is not finite.
   explicit Trajectory(std::vector<StampedPose> poses);
 
-  /// Throws DataError when `pose.t` is not later than the last.
+  /// Throws DataError when `pose.t` is not later than the last or the pose is not finite.
   void append(const StampedPose& pose);
 
   /// Interpolated pose; nothing outside [begin, end].
   std::optional<Pose> pose(TimeNs t) const;
-  /// As pose(), but nothing either when the two bracketing samples are more than `max_gap` apart.
+  /// As pose(), but nothing either when `t` lies between two samples that are more than `max_gap` apart.
   std::optional<Pose> pose(TimeNs t, TimeNs max_gap) const;
 
   bool empty() const { return poses_.empty(); }
