@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "aslio/pipeline/initialiser.hpp"
+#include "aslio/pipeline/tracking.hpp"
 #include "aslio/pipeline/update_record.hpp"
 #include "aslio/stages/insertion.hpp"
 #include "aslio/stages/overlap.hpp"
@@ -30,12 +31,6 @@ struct PipelineConfig {
   static void describe(config::Binder& b, PipelineConfig& p);
 };
 
-/// When and why a run stopped being usable.
-struct Divergence {
-  TimeNs t = 0;
-  std::string reason;
-};
-
 class Odometry {
  public:
   Odometry(const PipelineConfig& config, const BuildContext& context);
@@ -49,7 +44,8 @@ class Odometry {
 
   const std::optional<Divergence>& divergence() const;
   TrackingStatus tracking() const;
-  const Initialisation& initialisation() const;
+  /// Nothing before the first state has been found.
+  const std::optional<Initialisation>& initialisation() const;
   const stream::MeasurementStream& stream() const;
   const Map& map() const;
   const OverlapMetric& overlap() const;

@@ -14,6 +14,9 @@ std::string_view name(UpdateStatus status);
 std::string_view name(TrackingStatus status);
 std::string_view name(RunStatus status);
 
+/// Digest of the bits of a state: equal iff (but for collisions) the states are bit-identical.
+std::uint64_t state_digest(const NavState& state);
+
 /// Everything known of one update; what observers see and updates.csv / timings.csv hold.
 struct UpdateRecord {
   WindowPlan plan;

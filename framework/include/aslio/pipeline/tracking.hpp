@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "aslio/pipeline/update_record.hpp"
+
+namespace aslio::pipeline {
+
+/// When and why a run stopped being usable.
+struct Divergence {
+  TimeNs t = 0;
+  std::string reason;
+};
+
+/// Follows the health of a run from update to update. An update is refused when its step was not accepted.
+///   initialising -> ok          with the first accepted update
+///   ok -> degraded              after a refused update; -> ok after kRecovered accepted ones in a row
+///   degraded -> lost            after more than max_silence of refused updates (which also ends the run as diverged)
+class Tracking {
+ public:
+  Tracking(double max_speed, double max_silence) : max_speed_(max_speed), max_silence_(to_ns(max_silence)) {}
+
+  /// Takes the outcome of an update over the fresh interval (begin, end].
+  void observe(const Update& update, TimeNs begin, TimeNs end);
+
+  TrackingStatus status() const { return status_; }
+  const std::optional<Divergence>& divergence() const { return divergence_; }
+
+ private:
+  void diverge(TimeNs t, std::string reason);
+
+  static constexpr int kRecovered = 5;
+  double max_speed_;
+  TimeNs max_silence_;
+  TrackingStatus status_ = TrackingStatus::initialising;
+  int accepted_in_a_row_ = 0;
+  TimeNs silent_since_ = kTimeMin;  ///< begin of the first of the refused updates in a row
+  std::optional<Divergence> divergence_;
+};
+
+}  // namespace aslio::pipeline

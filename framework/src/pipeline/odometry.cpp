@@ -1,0 +1,161 @@
+#include "aslio/pipeline/odometry.hpp"
+
+#include "aslio/core/cpu_clock.hpp"
+#include "prior_probe.hpp"
+
+namespace aslio::pipeline {
+
+namespace {
+
+SamplerChain build_chain(const std::vector<config::Nested<Sampler>>& members, const BuildContext& context) {
+  std::vector<std::unique_ptr<Sampler>> chain;
+  chain.reserve(members.size());
+  for (const auto& member : members) chain.push_back(member.make(context));
+  return SamplerChain(std::move(chain));
+}
+
+}  // namespace
+
+class Odometry::Loop {
+ public:
+  Loop(const PipelineConfig& config, const BuildContext& context)
+      : config_(config),
+        sensor_(context.sensor),
+        windows_(config.window.make(context)),
+        overlaps_(config.overlap.make(context)),
+        histories_(config.history.make(context)),
+        samplers_(build_chain(config.samplers, context)),
+        map_(config.map.make(context)),
+        insertion_(config.insertion.make(context)),
+        estimator_(config.estimator.make(context)),
+        probe_(stream_, *estimator_, *overlaps_, context.sensor),
+        tracking_(config.max_speed, config.max_silence) {}
+
+  void run_available() {
+    if (!started() && !start()) return;
+    while (!tracking_.divergence()) {
+      UpdateRecord record;
+      std::optional<WindowPlan> plan;
+      {
+        const CpuTimer timer(record.times.window);
+        plan = windows_->next(stream_, feedback_, probe_);
+      }
+      if (!plan) break;
+      step(*plan, record);
+      stream_.release(feedback_.t - windows_->reach());
+    }
+  }
+
+  void step(const WindowPlan& plan, UpdateRecord& record) {
+    const Window window = stream_.cut(plan, ++sequence_);
+    const HistorySelection past = histories_->select(window);
+    const Update& update = estimator_->update(window, past, {samplers_, *map_, *histories_});
+    record.times = add(record.times, update.times);
+    {  // After alignment, BEFORE merging: measured after the merge it would always be about 1.
+      const CpuTimer timer(record.times.overlap);
+      record.overlap = overlaps_->evaluate(update.points(Tap::overlap), plan.end);
+    }
+    if (update.insert) {
+      const CpuTimer timer(record.times.insert);
+      record.inserted = insertion_->apply(window, update, *map_);
+      overlaps_->extend(update.points(Tap::overlap), plan.end);
+      map_->trim(update.state.p);
+      overlaps_->trim(update.state.p, map_->radius());
+      if (feedback_.first_insertion == kTimeMax && map_->size() > 0) feedback_.first_insertion = plan.end;
+    }
+    if (update.accepted || update.status == UpdateStatus::initialising) {
+      histories_->commit(window, update);
+    } else {
+      histories_->reset();
+    }
+    tracking_.observe(update, plan.fresh_begin, plan.end);
+    report(window, past, update, record);
+    feedback_ = {plan.end,     feedback_.first_insertion, update.status,   record.overlap,
+                 update.state, update.spectrum,           record.n_matches};
+  }
+
+  bool started() const { return initialisation_.has_value(); }
+
+  bool start() {
+    initialisation_ = initialise(stream_, config_.initialisation, sensor_);
+    if (!started()) return false;
+    estimator_->reset(initialisation_->initial);
+    feedback_.t = initialisation_->initial.state.t;
+    feedback_.state = initialisation_->initial.state;
+    stream_.release(feedback_.t);
+    return true;
+  }
+
+  void report(const Window& window, const HistorySelection& past, const Update& update, UpdateRecord& record) {
+    record.plan = window.plan;
+    record.sequence = window.sequence;
+    record.status = update.status;
+    record.tracking = tracking_.status();
+    record.n_fresh = static_cast<std::uint32_t>(window.fresh.size());
+    record.n_history = static_cast<std::uint32_t>(past.points.size());
+    record.iterations = update.iterations;
+    record.n_matches = update.fresh_matches + update.history_matches;
+    record.spectrum = update.spectrum;
+    record.residual_rms = update.residual_rms;
+    record.map_points = map_->size();
+    record.state = update.state;
+    record.digest = state_digest(update.state);
+    record.update = &update;
+    for (UpdateObserver* observer : observers_) observer->on_update(record);
+  }
+
+  static StageTimes add(StageTimes a, const StageTimes& b) {
+    a.predict += b.predict;
+    a.deskew += b.deskew;
+    a.sample += b.sample;
+    a.associate += b.associate;
+    a.solve += b.solve;
+    return a;
+  }
+
+  PipelineConfig config_;
+  SensorModel sensor_;
+  stream::MeasurementStream stream_;
+  std::unique_ptr<WindowStrategy> windows_;
+  std::unique_ptr<OverlapMetric> overlaps_;
+  std::unique_ptr<HistoryPolicy> histories_;
+  SamplerChain samplers_;
+  std::unique_ptr<Map> map_;
+  std::unique_ptr<Insertion> insertion_;
+  std::unique_ptr<Estimator> estimator_;
+  PriorProbe probe_;
+  Tracking tracking_;
+  std::vector<UpdateObserver*> observers_;
+  std::optional<Initialisation> initialisation_;
+  Feedback feedback_;
+  std::uint32_t sequence_ = 0;
+};
+
+Odometry::Odometry(const PipelineConfig& config, const BuildContext& context)
+    : loop_(std::make_unique<Loop>(config, context)) {}
+Odometry::~Odometry() = default;
+
+void Odometry::add_observer(UpdateObserver& observer) { loop_->observers_.push_back(&observer); }
+
+void Odometry::push(Measurement&& measurement) {
+  if (auto* packet = std::get_if<LidarPacket>(&measurement)) {
+    loop_->stream_.push(std::move(*packet));
+  } else {
+    loop_->stream_.push(std::get<ImuSample>(measurement));
+  }
+  loop_->run_available();
+}
+
+void Odometry::finish() {
+  loop_->stream_.finish();
+  loop_->run_available();
+}
+
+const std::optional<Divergence>& Odometry::divergence() const { return loop_->tracking_.divergence(); }
+TrackingStatus Odometry::tracking() const { return loop_->tracking_.status(); }
+const std::optional<Initialisation>& Odometry::initialisation() const { return loop_->initialisation_; }
+const stream::MeasurementStream& Odometry::stream() const { return loop_->stream_; }
+const Map& Odometry::map() const { return *loop_->map_; }
+const OverlapMetric& Odometry::overlap() const { return *loop_->overlaps_; }
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,20 @@
+#include "aslio/config/binder.hpp"
+#include "aslio/pipeline/odometry.hpp"
+
+namespace aslio::pipeline {
+
+void PipelineConfig::describe(config::Binder& b, PipelineConfig& p) {
+  b.stage("window", p.window, "when the next update is, and over which points");
+  b.stage("overlap", p.overlap, "how much of the frame the map already knows");
+  b.stage("history", p.history, "what old points of the window are worth");
+  b.stages("samplers", p.samplers, "which points take part: a chain, in this order");
+  b.stage("map", p.map, "nearest neighbours around a point");
+  b.stage("insertion", p.insertion, "what enters the map, and when");
+  b.stage("estimator", p.estimator, "the state, given all that");
+  b.group("initialisation", p.initialisation, "where the first state comes from");
+  b.real("max_speed", p.max_speed, "m/s", {.above = 0}, "a faster state has diverged");
+  b.real("max_silence", p.max_silence, "s", {.above = 0},
+         "so has a run without an accepted update for longer than this");
+}
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,27 @@
+#include "prior_probe.hpp"
+
+namespace aslio::pipeline {
+
+OverlapScore PriorProbe::overlap(TimeNs t) {
+  constexpr std::size_t kMostPoints = 2000;  // enough for a share to 1 %
+  const NavState& from = estimator_.state();
+  points_.clear();
+  if (!stream_.imu_covering(from.t, t, imu_)) return {};
+  const Pose begin = from.pose();
+  const Pose end = estimator_.predict(imu_).pose();
+  const auto raw = stream_.points(from.t, t);
+  const std::size_t step = raw.size() / kMostPoints + 1;
+  const double span = to_seconds(t - from.t);
+  for (std::size_t i = 0; i < raw.size(); i += step) {
+    const TimedPoint& p = raw[i];
+    const Vec3 p_L(p.x, p.y, p.z);
+    const double range = p_L.norm();
+    if (range < sensor_.min_range || range > sensor_.max_range) continue;
+    const Pose T = interpolate(begin, end, to_seconds(p.t - from.t) / span);
+    points_.push_back({T * (sensor_.T_imu_lidar * p_L), p.t, static_cast<float>(range), p.intensity,
+                       static_cast<std::uint32_t>(i), p.line, p.feature});
+  }
+  return overlap_.evaluate(points_, t);
+}
+
+}  // namespace aslio::pipeline

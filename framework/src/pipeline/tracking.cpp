@@ -1,0 +1,39 @@
+#include "aslio/pipeline/tracking.hpp"
+
+#include <fmt/format.h>
+
+namespace aslio::pipeline {
+
+void Tracking::diverge(TimeNs t, std::string reason) {
+  status_ = TrackingStatus::lost;
+  if (!divergence_) divergence_ = Divergence{t, std::move(reason)};
+}
+
+void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
+  const NavState& s = update.state;
+  if (!s.R.allFinite() || !s.p.allFinite() || !s.v.allFinite() || !s.b_w.allFinite() || !s.b_a.allFinite()) {
+    return diverge(end, "the state is not finite");
+  }
+  if (const double speed = s.v.norm(); speed > max_speed_) {
+    return diverge(end, fmt::format("the speed is {:.1f} m/s, above max_speed {:.1f} m/s", speed, max_speed_));
+  }
+  if (update.status == UpdateStatus::initialising) return;
+  if (update.accepted) {
+    silent_since_ = kTimeMin;
+    ++accepted_in_a_row_;
+    const bool was_well = status_ == TrackingStatus::initialising || status_ == TrackingStatus::ok;
+    status_ = was_well || accepted_in_a_row_ >= kRecovered ? TrackingStatus::ok : TrackingStatus::recovering;
+    return;
+  }
+  accepted_in_a_row_ = 0;
+  // Silence counts from the begin of the first refused window; a gap in the data before it is no fault of the
+  // estimator.
+  if (silent_since_ == kTimeMin) silent_since_ = begin;
+  status_ = TrackingStatus::degraded;
+  if (end - silent_since_ > max_silence_) {
+    diverge(end, fmt::format("no accepted update for {:.2f} s (last refusal: {})", to_seconds(end - silent_since_),
+                             name(update.status)));
+  }
+}
+
+}  // namespace aslio::pipeline

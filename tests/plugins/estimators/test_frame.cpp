@@ -1,0 +1,94 @@
+// De-skew and the rigid trajectory model.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "estimators/frame.hpp"
+
+using namespace aslio;
+using namespace aslio::plugins;
+
+namespace {
+
+RigidTrajectory turning_trajectory(double rate, int segments, double dt) {
+  NavState state;
+  state.t = 1'700'000'000'000'000'000;
+  state.v = Vec3(1.0, 0.2, 0.0);
+  RigidTrajectory trajectory;
+  trajectory.clear(state);
+  for (int i = 0; i < segments; ++i) {
+    MotionSegment s;
+    s.t = state.t;
+    s.dt = dt;
+    s.R = state.R;
+    s.p = state.p;
+    s.v = state.v;
+    s.w = Vec3(0.2 * rate, 0.1, rate);
+    s.a_W = Vec3(0.5, -1.0, 0.3);
+    state.t += to_ns(dt);
+    const Pose end = s.pose(state.t);
+    state.R = end.R;
+    state.p = end.p;
+    state.v += dt * s.a_W;
+    trajectory.append(s, state);
+  }
+  return trajectory;
+}
+
+}  // namespace
+
+TEST_CASE("de-skew puts a world point where every measurement of it says") {
+  // From slow turns with a fast IMU to half a radian per IMU step: the series and the closed form.
+  for (const auto& [rate, segments, dt] :
+       {std::tuple{0.0, 20, 0.005}, std::tuple{4.5, 20, 0.005}, std::tuple{5.0, 2, 0.1}}) {
+    const RigidTrajectory trajectory = turning_trajectory(rate, segments, dt);
+    SensorModel sensor;
+    sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(0.04, 0.02, -0.03)};
+    Frame frame(sensor);
+    const Vec3 target(7, -3, 2);
+    std::vector<TimedPoint> raw;
+    const TimeNs begin = trajectory.segments().front().t;
+    const TimeNs end = trajectory.predicted_end().t;
+    for (TimeNs t = begin + 1; t <= end; t += (end - begin) / 97) {
+      const Vec3 p_L = (trajectory.pose(t) * sensor.T_imu_lidar).inverse() * target;
+      TimedPoint p;
+      p.x = static_cast<float>(p_L.x());
+      p.y = static_cast<float>(p_L.y());
+      p.z = static_cast<float>(p_L.z());
+      p.t = t;
+      raw.push_back(p);
+    }
+    SamplerChain keep_all;
+    frame.sample_raw(raw, keep_all);
+    frame.deskew(trajectory);
+    frame.sample_body(keep_all);
+    const Pose end_pose = trajectory.predicted_end().pose();
+    frame.place(end_pose);
+    REQUIRE(frame.world(Tap::match).size() == raw.size());
+    for (const WorldPoint& p : frame.world(Tap::match)) CHECK((p.p_W - target).norm() < 5e-6);
+  }
+}
+
+TEST_CASE("the rigid trajectory moves with its end and its Jacobian agrees with central differences") {
+  RigidTrajectory trajectory = turning_trajectory(3.0, 10, 0.01);
+  const Pose end{exp_so3(Vec3(0.5, -0.1, 0.3)), Vec3(3, 2, 1)};
+  trajectory.correct(end);
+  const TimeNs t = trajectory.segments()[4].t + 3'000'000;
+  CHECK((trajectory.pose(trajectory.predicted_end().t).p - end.p).norm() < 1e-12);
+  Eigen::MatrixXd J;
+  trajectory.jacobian(t, J);
+  REQUIRE(J.cols() == trajectory.dof());
+  const double h = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    Vec6 d = Vec6::Zero();
+    d[i] = h;
+    const auto moved = [&](double sign) {
+      trajectory.correct({end.R * exp_so3(sign * d.head<3>()), end.p + sign * d.tail<3>()});
+      return trajectory.pose(t);
+    };
+    const Pose up = moved(1);
+    const Pose down = moved(-1);
+    Vec6 column;
+    column << log_so3(down.R.transpose() * up.R) / (2 * h), (up.p - down.p) / (2 * h);
+    CHECK((column - J.col(i)).norm() < 1e-8);
+  }
+}
