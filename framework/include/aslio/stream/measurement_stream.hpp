@@ -2,34 +2,44 @@
 /// The time-ordered stream of points and IMU samples, and the cutting of windows by point time, never by packet.
 /// Points with equal time stay together on one side of any cut. Memory is bounded by what windows may still reach.
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "aslio/core/measurement.hpp"
 #include "aslio/stages/window.hpp"
+#include "aslio/stream/arrival.hpp"
+#include "aslio/stream/time_ordered.hpp"
 
 namespace aslio::stream {
 
 /// What was not taken as it came. Every anomaly has a counter; all are written to the summary.
 struct StreamCounters {
-  std::uint64_t packets = 0, empty_packets = 0, duplicate_packets = 0;
-  std::uint64_t points = 0;            ///< accepted
-  std::uint64_t points_invalid = 0;    ///< not finite or dropped by the decoder
-  std::uint64_t points_late = 0;       ///< before the last cut: dropped
-  std::uint64_t points_reordered = 0;  ///< arrived out of order, put in order
-  std::uint64_t imu = 0;               ///< accepted
-  std::uint64_t imu_invalid = 0;       ///< not finite: dropped
-  std::uint64_t imu_duplicate = 0;     ///< equal stamp: first kept
-  std::uint64_t imu_late = 0;          ///< before the last cut: dropped
+  std::uint64_t packets = 0;            ///< arrived
+  std::uint64_t empty_packets = 0;      ///< without a single valid point
+  std::uint64_t duplicate_packets = 0;  ///< stamp, size and time extent of a recent packet: ignored
+  std::uint64_t packet_time_jumps = 0;  ///< implausibly far from the last point (> 1 s back or > 60 s ahead): ignored
+  std::uint64_t points = 0;             ///< accepted
+  std::uint64_t points_invalid = 0;     ///< not finite, absurdly far (> 1e5 m), or dropped by the decoder
+  std::uint64_t points_stray = 0;       ///< time more than 1 s away from the body of the packet: dropped
+  std::uint64_t points_late = 0;        ///< before the last cut: dropped
+  std::uint64_t points_reordered = 0;   ///< arrived out of order, put in order
+  std::uint64_t imu = 0;                ///< accepted
+  std::uint64_t imu_invalid = 0;        ///< not finite: dropped
+  std::uint64_t imu_duplicate = 0;      ///< equal stamp: first kept
+  std::uint64_t imu_late = 0;           ///< before the last cut: dropped
   std::uint64_t imu_reordered = 0;
   std::uint64_t imu_time_jumps = 0;  ///< stamps implausibly far from the last (> 1 s back or > 60 s ahead): dropped
-  std::uint64_t imu_gaps = 0;        ///< steps longer than 5 median periods
+  std::uint64_t imu_gaps = 0;        ///< steps longer than 5 median periods, as they arrived
 };
 
 class MeasurementStream final : public StreamView {
  public:
   MeasurementStream();
 
+  /// Points in any order. The push()es throw DataError when three measurements in a row agree that the clock jumped
+  /// (> 1 s back or > 60 s ahead); fewer are ignored and counted.
   void push(LidarPacket&& packet);
   void push(const ImuSample& sample);
   /// No more data: *_until() become kTimeMax.
@@ -38,11 +48,14 @@ class MeasurementStream final : public StreamView {
   /// The window of a plan: spans into the stream, IMU interpolated at both ends (held where IMU data is missing).
   /// Valid until the next push(), release() or cut().
   Window cut(const WindowPlan& plan, std::uint32_t sequence);
-  /// IMU samples covering [begin, end], interpolated at both ends, in caller's storage.
+  /// IMU samples covering [begin, end], interpolated at both ends, in caller's storage. Pre: begin < end. False when
+  /// the nearest sample had to be held at an end, or a gap lies inside (more than 5 median periods, bridged linearly);
+  /// `out` is filled all the same, and empty only when there is no IMU data at all.
   bool imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const;
   /// Everything up to `t` may be forgotten; later arrivals before it are late.
   void release(TimeNs t);
 
+  /// One ns short of the last point: the next packet may continue its firing, which no cut may split.
   TimeNs points_until() const override;
   TimeNs imu_until() const override;
   TimeNs last_point() const override;
@@ -55,18 +68,43 @@ class MeasurementStream final : public StreamView {
   std::optional<TimeNs> first_point() const { return first_point_; }
   std::optional<TimeNs> first_imu() const { return first_imu_; }
   const StreamCounters& counters() const { return counters_; }
-  /// Median step between accepted IMU samples so far [ns]; 0 before two samples.
-  TimeNs imu_period() const;
-  std::size_t buffered_points() const { return points_.size() - points_head_; }
+  /// Median of the last 101 steps between accepted IMU samples [ns]; 0 before two samples.
+  TimeNs imu_period() const { return imu_steps_.median(); }
+  std::size_t buffered_points() const { return points_.size(); }
+  std::size_t buffered_imu() const { return imu_.size(); }
 
  private:
-  std::vector<TimedPoint> points_;
-  std::size_t points_head_ = 0;
-  std::vector<ImuSample> imu_;
-  std::size_t imu_head_ = 0;
+  struct Sweep {
+    std::uint32_t id = 0;
+    TimeNs end = 0;  ///< time of its last point so far
+  };
+  /// What two copies of one message have in common.
+  struct PacketKey {
+    TimeNs stamp = 0, first = 0, last = 0;
+    std::size_t size = 0;
+    bool operator==(const PacketKey&) const = default;
+  };
+  static constexpr std::size_t kRecentPackets = 64;
+
+  bool seen_before(const PacketKey& key);
+  void note_sweeps(std::span<const TimedPoint> points);
+  ImuSample imu_at(std::size_t after, TimeNs t, bool& held) const;
+  bool imu_gap(TimeNs step) const;
+  /// Nothing at or before this time is taken any more.
+  TimeNs closed_until() const { return std::max(released_, last_cut_); }
+
+  TimeOrdered<TimedPoint> points_;
+  TimeOrdered<ImuSample> imu_;
+  std::vector<Sweep> sweeps_;  ///< in order of arrival
   std::vector<ImuSample> window_imu_;
+  std::array<PacketKey, kRecentPackets> recent_packets_{};
+  std::size_t recent_count_ = 0;
+  PacketSorter sorter_;
+  JumpGuard packet_guard_{"LiDAR"}, imu_guard_{"IMU"};
+  StepMedian imu_steps_;
   std::optional<TimeNs> first_point_, first_imu_;
-  TimeNs released_ = kTimeMin;
+  TimeNs last_point_ = kTimeMin, last_imu_ = kTimeMin;
+  TimeNs released_ = kTimeMin, last_cut_ = kTimeMin;
   std::uint32_t next_index_ = 0;
   bool finished_ = false;
   StreamCounters counters_;

@@ -1,0 +1,77 @@
+#pragma once
+/// What is judged of a measurement when it arrives: is its stamp plausible, how long is a usual step.
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "aslio/core/measurement.hpp"
+
+namespace aslio::stream {
+
+/// Stamps may step back by this much (reordering) or ahead by this much (a pause) and are still believed.
+inline constexpr TimeNs kMaxStepBack = kSecond;
+inline constexpr TimeNs kMaxStepAhead = 60 * kSecond;
+/// Coordinates beyond this are garbage [m]; they would overflow cell indices.
+inline constexpr float kMaxCoordinate = 1e5F;
+/// Stamps beyond this (73 years from 0) are garbage; differences of the others cannot overflow.
+inline constexpr TimeNs kMaxStamp = kTimeMax / 4;
+
+/// A stamp that arithmetic can be done with.
+constexpr bool sane_stamp(TimeNs t) { return t > -kMaxStamp && t < kMaxStamp; }
+
+/// Tells a single wild stamp, which is to be ignored, from a clock that really jumped, which no odometry can bridge.
+class JumpGuard {
+ public:
+  explicit JumpGuard(std::string what) : what_(std::move(what)) {}
+
+  /// Is a measurement of [begin, end] plausible after `last`? False: ignore it. Throws DataError at the third
+  /// implausible stamp in a row that continues the one before.
+  bool admit(TimeNs begin, TimeNs end, TimeNs last);
+
+ private:
+  std::string what_;
+  TimeNs rejected_ = 0;
+  int in_a_row_ = 0;
+};
+
+/// Median of the last 101 steps: O(1) memory, not disturbed by gaps, jitter and duplicates.
+class StepMedian {
+ public:
+  void add(TimeNs step);
+  /// 0 before the first step.
+  TimeNs median() const { return median_; }
+
+ private:
+  std::array<TimeNs, 101> steps_{};
+  std::size_t next_ = 0, count_ = 0;
+  TimeNs median_ = 0;
+};
+
+/// What admitting the points of one packet found.
+struct PacketFindings {
+  std::size_t invalid = 0;    ///< coordinates not finite or beyond kMaxCoordinate, time beyond kMaxStamp
+  std::size_t stray = 0;      ///< more than kMaxStepBack away from the body of the packet: wrapped or wrong offsets
+  std::size_t reordered = 0;  ///< older than a point that came before (a stray counts as one, too)
+};
+
+/// Puts the points of packets in time order and drops the impossible ones. Keeps its scratch storage.
+class PacketSorter {
+ public:
+  /// Post: `points` is in time order; equal times keep the order of arrival. `newest` is the time of the newest point
+  /// of earlier packets (kTimeMin: none). O(n) when the points are in order already, and otherwise too (radix sort).
+  PacketFindings sort(std::vector<TimedPoint>& points, TimeNs newest);
+
+ private:
+  struct Key {
+    std::uint64_t t;
+    std::uint32_t position;
+  };
+  void sort_by_time(std::vector<TimedPoint>& points);
+
+  std::vector<Key> keys_, keys_scratch_;
+  std::vector<TimedPoint> sorted_;
+};
+
+}  // namespace aslio::stream

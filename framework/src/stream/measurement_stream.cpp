@@ -1,0 +1,184 @@
+#include "aslio/stream/measurement_stream.hpp"
+
+#include <algorithm>
+
+namespace aslio::stream {
+namespace {
+
+constexpr TimeNs kGapPeriods = 5;
+
+ImuSample interpolated(const ImuSample& a, const ImuSample& b, TimeNs t) {
+  const double u = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
+  return {t, a.gyro + u * (b.gyro - a.gyro), a.acc + u * (b.acc - a.acc)};
+}
+
+}  // namespace
+
+MeasurementStream::MeasurementStream() = default;
+
+void MeasurementStream::push(LidarPacket&& packet) {
+  ++counters_.packets;
+  counters_.points_invalid += packet.dropped_invalid;
+  std::vector<TimedPoint>& points = packet.points;
+  const std::size_t size = points.size();
+  const PacketFindings findings = sorter_.sort(points, last_point_);
+  counters_.points_invalid += findings.invalid;
+  counters_.points_stray += findings.stray;
+  if (points.empty()) {
+    ++counters_.empty_packets;
+    return;
+  }
+  const PacketKey key{packet.stamp, points.front().t, points.back().t, size};
+  if (seen_before(key)) {
+    ++counters_.duplicate_packets;
+    return;
+  }
+  if (last_point_ != kTimeMin && last_point_ - key.last > kMaxStepBack) ++counters_.packet_time_jumps;
+  if (last_point_ != kTimeMin && key.first - last_point_ > kMaxStepAhead) ++counters_.packet_time_jumps;
+  if (last_point_ != kTimeMin && !packet_guard_.admit(key.first, key.last, last_point_)) return;
+  recent_packets_[recent_count_++ % kRecentPackets] = key;
+
+  const auto closed = [](TimeNs limit, const TimedPoint& p) { return limit < p.t; };
+  const auto open = std::upper_bound(points.begin(), points.end(), closed_until(), closed);
+  const auto late = static_cast<std::size_t>(open - points.begin());
+  counters_.points_late += late;
+  counters_.points_reordered += findings.reordered - std::min(findings.reordered, late);
+  const std::span<TimedPoint> accepted(open, points.end());
+  if (accepted.empty()) return;
+  for (TimedPoint& p : accepted) p.index = next_index_++;
+  counters_.points += accepted.size();
+  note_sweeps(accepted);
+  points_.merge(accepted);
+  first_point_ = std::min(first_point_.value_or(kTimeMax), accepted.front().t);
+  last_point_ = std::max(last_point_, accepted.back().t);
+}
+
+bool MeasurementStream::seen_before(const PacketKey& key) {
+  const auto end = recent_packets_.begin() + static_cast<std::ptrdiff_t>(std::min(recent_count_, kRecentPackets));
+  return std::find(recent_packets_.begin(), end, key) != end;
+}
+
+void MeasurementStream::note_sweeps(std::span<const TimedPoint> points) {
+  for (std::size_t i = 0; i < points.size();) {
+    const std::uint32_t id = points[i].sweep_id;
+    while (i < points.size() && points[i].sweep_id == id) ++i;
+    const auto known = std::find_if(sweeps_.rbegin(), sweeps_.rend(), [id](const Sweep& s) { return s.id == id; });
+    if (known == sweeps_.rend())
+      sweeps_.push_back({id, points[i - 1].t});
+    else
+      known->end = std::max(known->end, points[i - 1].t);
+  }
+}
+
+void MeasurementStream::push(const ImuSample& sample) {
+  if (!sample.gyro.allFinite() || !sample.acc.allFinite() || !sane_stamp(sample.t)) {
+    ++counters_.imu_invalid;
+    return;
+  }
+  if (first_imu_) {
+    // Counted before the guard speaks, so that the counter is right also when it throws.
+    if (last_imu_ - sample.t > kMaxStepBack || sample.t - last_imu_ > kMaxStepAhead) ++counters_.imu_time_jumps;
+    if (!imu_guard_.admit(sample.t, sample.t, last_imu_)) return;
+  }
+  const std::size_t until = imu_.count_until(sample.t);
+  if (until > 0 && imu_.all()[until - 1].t == sample.t) {
+    ++counters_.imu_duplicate;
+    return;
+  }
+  if (sample.t <= closed_until()) {
+    ++counters_.imu_late;
+    return;
+  }
+  if (first_imu_ && sample.t < last_imu_) {
+    ++counters_.imu_reordered;
+  } else if (first_imu_) {
+    counters_.imu_gaps += imu_gap(sample.t - last_imu_);
+    imu_steps_.add(sample.t - last_imu_);
+  }
+  ++counters_.imu;
+  imu_.merge({&sample, 1});
+  first_imu_ = std::min(first_imu_.value_or(kTimeMax), sample.t);
+  last_imu_ = std::max(last_imu_, sample.t);
+}
+
+void MeasurementStream::finish() { finished_ = true; }
+
+bool MeasurementStream::imu_gap(TimeNs step) const { return imu_period() > 0 && step > kGapPeriods * imu_period(); }
+
+ImuSample MeasurementStream::imu_at(std::size_t after, TimeNs t, bool& held) const {
+  const std::span<const ImuSample> samples = imu_.all();
+  if (after > 0 && samples[after - 1].t == t) return samples[after - 1];
+  if (after > 0 && after < samples.size()) {
+    held = held || imu_gap(samples[after].t - samples[after - 1].t);
+    return interpolated(samples[after - 1], samples[after], t);
+  }
+  held = true;
+  ImuSample nearest = samples[after == 0 ? 0 : after - 1];
+  nearest.t = t;
+  return nearest;
+}
+
+bool MeasurementStream::imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const {
+  out.clear();
+  if (imu_.empty()) return false;
+  const std::span<const ImuSample> samples = imu_.all();
+  const std::size_t from = imu_.count_until(begin), to = imu_.count_until(end);
+  bool held = false;
+  out.push_back(imu_at(from, begin, held));
+  for (std::size_t i = from; i < to && samples[i].t < end; ++i) {
+    held = held || (i > 0 && imu_gap(samples[i].t - samples[i - 1].t));
+    out.push_back(samples[i]);
+  }
+  if (to > 1 && samples[to - 1].t == end) held = held || imu_gap(end - samples[to - 2].t);
+  out.push_back(imu_at(to, end, held));
+  return !held;
+}
+
+Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
+  Window window;
+  window.plan = plan;
+  window.sequence = sequence;
+  window.fresh = points(plan.fresh_begin, plan.end);
+  const bool covered = imu_covering(plan.fresh_begin, plan.end, window_imu_);
+  window.imu = window_imu_;
+  window.imu_extrapolated = !covered;
+  last_cut_ = std::max(last_cut_, plan.end);
+  return window;
+}
+
+void MeasurementStream::release(TimeNs t) {
+  if (t <= released_) return;
+  released_ = t;
+  points_.forget(points_.count_until(t));
+  // The sample at or before t stays: the next window interpolates from it.
+  const std::size_t until = imu_.count_until(t);
+  if (until > 1) imu_.forget(until - 1);
+  // The newest sweep stays: it is not over until a later one begins.
+  const auto over = [t](const Sweep& s) { return s.end > t; };
+  if (!sweeps_.empty()) sweeps_.erase(sweeps_.begin(), std::find_if(sweeps_.begin(), sweeps_.end() - 1, over));
+}
+
+TimeNs MeasurementStream::points_until() const {
+  if (finished_) return kTimeMax;
+  return last_point_ == kTimeMin ? kTimeMin : last_point_ - 1;
+}
+
+TimeNs MeasurementStream::imu_until() const { return finished_ ? kTimeMax : last_imu_; }
+TimeNs MeasurementStream::last_point() const { return last_point_; }
+TimeNs MeasurementStream::last_imu() const { return last_imu_; }
+
+std::span<const TimedPoint> MeasurementStream::points(TimeNs begin, TimeNs end) const {
+  return points_.range(begin, end);
+}
+
+std::span<const ImuSample> MeasurementStream::imu(TimeNs begin, TimeNs end) const { return imu_.range(begin, end); }
+
+std::optional<TimeNs> MeasurementStream::sweep_end_after(TimeNs t) const {
+  std::optional<TimeNs> first;
+  const std::size_t complete = sweeps_.empty() || finished_ ? sweeps_.size() : sweeps_.size() - 1;
+  for (const Sweep& sweep : std::span(sweeps_).first(complete))
+    if (sweep.end > t && (!first || sweep.end < *first)) first = sweep.end;
+  return first;
+}
+
+}  // namespace aslio::stream
