@@ -1,10 +1,12 @@
 #include "aslio/plugin/registry.hpp"
-#include "aslio/stages/map.hpp"
+#include "maps/voxel_hash.hpp"
 
 namespace aslio::plugins {
 
 void register_maps(plugin::Registry<Map>& registry);
 
-void register_maps(plugin::Registry<Map>& registry) { (void)registry; }
+void register_maps(plugin::Registry<Map>& registry) {
+  registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
+}
 
 }  // namespace aslio::plugins

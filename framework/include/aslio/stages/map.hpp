@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "aslio/config/nested.hpp"
 #include "aslio/stages/points.hpp"
 
 namespace aslio {

@@ -1,0 +1,246 @@
+#include "maps/voxel_hash.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "maps/nearest.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+constexpr std::size_t kQueriesPerChunk = 128;
+constexpr int kMaxReach = 32;  // voxels; below kCellMargin, so that neighbours of a valid cell have keys
+/// Rounding of a float coordinate inside a voxel, as a share of its edge, with much to spare.
+constexpr double kSlack = 1e-5;
+
+/// Distance [m] along one axis from a query at `relative` to the voxels `d` cells away; 0 for its own.
+double axis_distance(double relative, int d, double edge) {
+  if (d == 0) return 0.0;
+  const double distance = d > 0 ? d * edge - relative : relative - (d + 1) * edge;
+  return std::max(0.0, distance - kSlack * edge);
+}
+
+}  // namespace
+
+void VoxelHash::describe(config::Binder& b, Params& p) {
+  b.real("voxel", p.voxel, "m", {.min = 0.01, .max = 100.0},
+         "edge of a voxel; queries are fastest when it is about the search distance");
+  b.real("min_spacing", p.min_spacing, "m", {.min = 0.0, .max = 100.0},
+         "a point nearer than this to one already there is refused (0: none is)");
+  b.integer("max_points", p.max_points, "", {.min = 1, .max = 4096}, "points per voxel at most");
+  b.real("radius", p.radius, "m", {.above = 0.0}, "points farther than this from the sensor are forgotten");
+  b.require(p.min_spacing <= p.voxel, "min_spacing", "must not exceed voxel: only adjacent voxels are looked at");
+}
+
+VoxelHash::VoxelHash(const Params& params, const BuildContext& context)
+    : params_(params),
+      exec_(context.exec),
+      inverse_voxel_(1.0 / params.voxel),
+      pool_(static_cast<std::size_t>(params.max_points)) {}
+
+void VoxelHash::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
+  const int k = std::clamp(query.k, 1, Neighbours::kMax);
+  out.resize(queries.size(), k);
+  const auto max_squared = static_cast<float>(query.max_distance * query.max_distance);
+  exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Nearest nearest(k, max_squared);
+      search(queries[i], nearest, query.max_stamp);
+      nearest.write(out, i);
+    }
+  });
+}
+
+void VoxelHash::search(const Vec3& query, Nearest& nearest, std::uint32_t max_stamp) const {
+  const auto centre = cell_of(query, inverse_voxel_);
+  if (!centre) return;
+  const Vec3 relative = query - corner(*centre);
+  scan(*centre, relative, 0, 0, 0, nearest, max_stamp);
+
+  // The seven voxels on the near sides first: once they have given the bound, the other nineteen are usually out.
+  const double half = 0.5 * params_.voxel;
+  const int sx = relative.x() < half ? -1 : 1, sy = relative.y() < half ? -1 : 1, sz = relative.z() < half ? -1 : 1;
+  scan(*centre, relative, sx, 0, 0, nearest, max_stamp);
+  scan(*centre, relative, 0, sy, 0, nearest, max_stamp);
+  scan(*centre, relative, 0, 0, sz, nearest, max_stamp);
+  scan(*centre, relative, sx, sy, 0, nearest, max_stamp);
+  scan(*centre, relative, sx, 0, sz, nearest, max_stamp);
+  scan(*centre, relative, 0, sy, sz, nearest, max_stamp);
+  scan(*centre, relative, sx, sy, sz, nearest, max_stamp);
+  double far_side = half * (1.0 - 2.0 * kSlack);
+  if (far_side * far_side > static_cast<double>(nearest.bound())) return;
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dz = -1; dz <= 1; ++dz) {
+        if (dx == -sx || dy == -sy || dz == -sz) scan(*centre, relative, dx, dy, dz, nearest, max_stamp);
+      }
+    }
+  }
+  for (int shell = 2; shell <= kMaxReach; ++shell) {
+    far_side = (shell - 1) * params_.voxel * (1.0 - 2.0 * kSlack);
+    if (far_side * far_side > static_cast<double>(nearest.bound())) return;
+    search_shell(*centre, relative, shell, nearest, max_stamp);
+  }
+}
+
+void VoxelHash::search_shell(const VoxelCell& centre, const Vec3& relative, int shell, Nearest& nearest,
+                             std::uint32_t max_stamp) const {
+  for (int dx = -shell; dx <= shell; ++dx) {
+    for (int dy = -shell; dy <= shell; ++dy) {
+      const bool side = std::abs(dx) == shell || std::abs(dy) == shell;
+      for (int dz = -shell; dz <= shell; dz += side ? 1 : 2 * shell) {
+        scan(centre, relative, dx, dy, dz, nearest, max_stamp);
+      }
+    }
+  }
+}
+
+void VoxelHash::scan(const VoxelCell& centre, const Vec3& relative, int dx, int dy, int dz, Nearest& nearest,
+                     std::uint32_t max_stamp) const {
+  const double edge = params_.voxel;
+  const double ax = axis_distance(relative.x(), dx, edge);
+  const double ay = axis_distance(relative.y(), dy, edge);
+  const double az = axis_distance(relative.z(), dz, edge);
+  if (ax * ax + ay * ay + az * az > static_cast<double>(nearest.bound())) return;
+  const std::uint32_t number = index_.find(pack({centre.x + dx, centre.y + dy, centre.z + dz}));
+  if (number == CellIndex::kNone) return;
+  const Block& block = blocks_[number];
+  nearest.scan(block.points, block.count, static_cast<float>(relative.x() - dx * edge),
+               static_cast<float>(relative.y() - dy * edge), static_cast<float>(relative.z() - dz * edge), max_stamp);
+}
+
+bool VoxelHash::crowded(const VoxelCell& cell, const Vec3& relative) const {
+  const double edge = params_.voxel, spacing = params_.min_spacing;
+  if (spacing <= 0) return false;
+  const auto squared_spacing = static_cast<float>(spacing * spacing);
+  const auto low = [&](double r) { return r - kSlack * edge < spacing ? -1 : 0; };
+  const auto high = [&](double r) { return edge - r - kSlack * edge < spacing ? 1 : 0; };
+  for (int dx = low(relative.x()); dx <= high(relative.x()); ++dx) {
+    for (int dy = low(relative.y()); dy <= high(relative.y()); ++dy) {
+      for (int dz = low(relative.z()); dz <= high(relative.z()); ++dz) {
+        const std::uint32_t number = index_.find(pack({cell.x + dx, cell.y + dy, cell.z + dz}));
+        if (number == CellIndex::kNone) continue;
+        const Chunk& points = blocks_[number].points;
+        const auto qx = static_cast<float>(relative.x() - dx * edge), qy = static_cast<float>(relative.y() - dy * edge),
+                   qz = static_cast<float>(relative.z() - dz * edge);
+        const std::size_t padded = (blocks_[number].count + 7U) / 8U * 8U;
+        int near = 0;
+        for (std::size_t i = 0; i < padded; ++i) {
+          const float x = points.x[i] - qx, y = points.y[i] - qy, z = points.z[i] - qz;
+          near |= x * x + y * y + z * z < squared_spacing ? 1 : 0;
+        }
+        if (near != 0) return true;
+      }
+    }
+  }
+  return false;
+}
+
+std::uint32_t VoxelHash::new_block(const VoxelCell& cell) {
+  std::uint32_t number = static_cast<std::uint32_t>(blocks_.size());
+  if (free_blocks_.empty()) {
+    blocks_.emplace_back();
+  } else {
+    number = free_blocks_.back();
+    free_blocks_.pop_back();
+  }
+  blocks_[number] = {cell, 0, pool_.take(1)};
+  index_.insert(pack(cell), number);
+  return number;
+}
+
+bool VoxelHash::insert_one(const Vec3& p, std::uint32_t stamp) {
+  const auto cell = cell_of(p, inverse_voxel_);
+  if (!cell) return false;
+  std::uint32_t number = index_.find(pack(*cell));
+  if (number != CellIndex::kNone && blocks_[number].count >= params_.max_points) return false;
+  const Vec3 relative = p - corner(*cell);
+  if (crowded(*cell, relative)) return false;
+  if (number == CellIndex::kNone) number = new_block(*cell);
+  Block& block = blocks_[number];
+  if (block.count == block.points.capacity) {
+    const Chunk larger = pool_.take(block.count + 1);
+    std::copy_n(block.points.x, block.count, larger.x);
+    std::copy_n(block.points.y, block.count, larger.y);
+    std::copy_n(block.points.z, block.count, larger.z);
+    std::copy_n(block.points.stamp, block.count, larger.stamp);
+    std::copy_n(block.points.order, block.count, larger.order);
+    pool_.give_back(std::exchange(block.points, larger));
+  }
+  block.points.x[block.count] = static_cast<float>(relative.x());
+  block.points.y[block.count] = static_cast<float>(relative.y());
+  block.points.z[block.count] = static_cast<float>(relative.z());
+  block.points.stamp[block.count] = stamp;
+  block.points.order[block.count] = next_order_++;
+  ++block.count;
+  ++size_;
+  return true;
+}
+
+InsertCount VoxelHash::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
+  InsertCount count{points.size(), 0};
+  for (const WorldPoint& point : points) count.inserted += insert_one(point.p_W, stamp) ? 1 : 0;
+  return count;
+}
+
+void VoxelHash::drop_block(std::uint32_t number) {
+  Block& block = blocks_[number];
+  index_.erase(pack(block.cell));
+  pool_.give_back(block.points);
+  size_ -= block.count;
+  block = {};
+  free_blocks_.push_back(number);
+}
+
+void VoxelHash::trim(const Vec3& centre_W) {
+  // One pass over all voxels per voxel edge of motion: the rest of the calls cost nothing.
+  if (!centre_W.allFinite() || (trimmed_ && (centre_W - trimmed_at_).norm() < params_.voxel)) return;
+  trimmed_ = true;
+  trimmed_at_ = centre_W;
+  for (std::uint32_t number = 0; number < blocks_.size(); ++number) {
+    if (blocks_[number].count == 0) continue;
+    const Vec3 relative = centre_W - corner(blocks_[number].cell);
+    const Vec3 outside = (relative - relative.cwiseMax(0.0).cwiseMin(params_.voxel));
+    if (outside.squaredNorm() > params_.radius * params_.radius) drop_block(number);
+  }
+}
+
+void VoxelHash::clear() {
+  index_.clear();
+  pool_.clear();
+  blocks_.clear();
+  free_blocks_.clear();
+  size_ = 0;
+  next_order_ = 0;
+  trimmed_ = false;
+}
+
+std::size_t VoxelHash::memory_bytes() const {
+  return sizeof(*this) + index_.memory_bytes() + pool_.memory_bytes() + blocks_.capacity() * sizeof(Block) +
+         free_blocks_.capacity() * sizeof(std::uint32_t);
+}
+
+void VoxelHash::visit(const std::function<void(const Vec3&)>& visitor) const {
+  std::vector<const Block*> order;
+  for (const Block& block : blocks_) {
+    if (block.count > 0) order.push_back(&block);
+  }
+  std::sort(order.begin(), order.end(), [](auto* a, auto* b) { return pack(a->cell) < pack(b->cell); });
+  std::vector<std::uint32_t> inside;
+  for (const Block* block : order) {
+    inside.resize(block->count);
+    std::iota(inside.begin(), inside.end(), 0U);
+    const Chunk& points = block->points;
+    const auto key = [&](std::uint32_t i) { return std::tuple(points.x[i], points.y[i], points.z[i]); };
+    std::sort(inside.begin(), inside.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    for (const std::uint32_t i : inside) {
+      visitor(corner(block->cell) + Eigen::Vector3f(points.x[i], points.y[i], points.z[i]).cast<double>());
+    }
+  }
+}
+
+}  // namespace aslio::plugins

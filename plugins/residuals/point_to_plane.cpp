@@ -1,0 +1,105 @@
+#include "residuals/point_to_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "residuals/plane_fit.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+constexpr std::size_t kMatchesPerChunk = 16 * PlaneBatch::kWidth;
+/// Neighbours closer together than this [m] are one point measured many times.
+constexpr double kCoincident = 1e-6;
+}  // namespace
+
+void PointToPlane::describe(config::Binder& b, Params& p) {
+  b.integer("k", p.k, "", {.min = 3, .max = Neighbours::kMax}, "neighbours of a plane, all of which must be found");
+  b.real("max_distance", p.max_distance, "m", {.above = 0.0}, "neighbours farther than this are not looked at");
+  b.real("plane_threshold", p.plane_threshold, "m", {.above = 0.0},
+         "a neighbour farther than this from the plane refuses the plane");
+  b.real("min_spread", p.min_spread, "", {.min = 0.0, .below = 1.0},
+         "least ratio of the second to the first standard deviation of the neighbours (collinear ones span no plane)");
+  b.real("gate", p.gate, "1/m", {.min = 0.0}, "a row takes part while range > gate * r^2 (0: always)");
+  b.choice("kernel", p.kernel, {{"none", Kernel::none}, {"huber", Kernel::huber}, {"cauchy", Kernel::cauchy}},
+           "robust weight of large residuals");
+  b.real("kernel_width", p.kernel_width, "m", {.above = 0.0}, "residual at which the kernel sets in");
+}
+
+PointToPlane::PointToPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
+
+MapQuery PointToPlane::query() const {
+  MapQuery query;
+  query.k = static_cast<int>(params_.k);
+  query.max_distance = params_.max_distance;
+  return query;
+}
+
+void PointToPlane::fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) {
+  exec_.for_ranges(queries.size(), kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; i += PlaneBatch::kWidth) {
+      fit_batch(queries, neighbours, i, std::min(i + PlaneBatch::kWidth, end), out);
+    }
+  });
+}
+
+void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& neighbours, std::size_t begin,
+                             std::size_t end, std::span<Surface> out) const {
+  const auto k = static_cast<std::size_t>(params_.k);
+  PlaneBatch batch;
+  for (std::size_t lane = 0; lane < PlaneBatch::kWidth; ++lane) {
+    const std::size_t i = begin + lane;
+    const bool complete = i < end && neighbours.k() >= k && neighbours.count[i] >= k;
+    for (std::size_t j = 0; j < k; ++j) {
+      const Eigen::Vector3f offset = complete ? neighbours.offset(i, j) : Eigen::Vector3f::Zero();
+      batch.x[j][lane] = static_cast<double>(offset.x());
+      batch.y[j][lane] = static_cast<double>(offset.y());
+      batch.z[j][lane] = static_cast<double>(offset.z());
+    }
+  }
+  batch.fit(k);
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::size_t lane = i - begin;
+    Surface& surface = out[i];
+    surface = {};
+    if (neighbours.k() < k || neighbours.count[i] < k) continue;
+    const bool spread = batch.largest[lane] > kCoincident * kCoincident &&
+                        batch.middle[lane] > params_.min_spread * params_.min_spread * batch.largest[lane];
+    const Vec3 normal(batch.normal_x[lane], batch.normal_y[lane], batch.normal_z[lane]);
+    if (!spread || !(batch.farthest[lane] <= params_.plane_threshold) || !normal.allFinite()) continue;
+    surface.normal = normal;
+    surface.anchor = queries[i] + Vec3(batch.mean_x[lane], batch.mean_y[lane], batch.mean_z[lane]);
+    surface.valid = true;
+  }
+}
+
+double PointToPlane::weight(double r) const {
+  const double scaled = std::abs(r) / params_.kernel_width;
+  switch (params_.kernel) {
+    case Kernel::none:
+      return 1.0;
+    case Kernel::huber:
+      return scaled <= 1.0 ? 1.0 : 1.0 / scaled;
+    case Kernel::cauchy:
+      return 1.0 / (1.0 + scaled * scaled);
+  }
+  return 1.0;
+}
+
+void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> range,
+                            std::span<const Surface> surfaces, double sigma, std::span<ResidualRow> rows) {
+  const double information = 1.0 / (sigma * sigma);
+  exec_.for_ranges(world.size(), 4 * kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) {
+      rows[i] = {};
+      const Surface& surface = surfaces[i];
+      if (!surface.valid) continue;
+      const double r = surface.normal.dot(world[i] - surface.anchor);
+      const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
+      if (!inside || !std::isfinite(r)) continue;
+      rows[i] = {r, surface.normal, surface.quality * weight(r) * information};
+    }
+  });
+}
+
+}  // namespace aslio::plugins

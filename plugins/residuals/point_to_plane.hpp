@@ -1,0 +1,42 @@
+#pragma once
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "aslio/stages/residual.hpp"
+
+namespace aslio::plugins {
+
+/// Distance of a point to the plane through its k nearest neighbours, r = n . (p - centroid) (docs/equations.md RES-1;
+/// AS-LIO (11)). A plane needs all k neighbours, none farther than plane_threshold from it, and neighbours that spread
+/// in two directions. The gate is FAST-LIO2's: 1 - 0.9 |r| / sqrt(range) > 0.9, which is range > 81 r^2.
+class PointToPlane final : public Residual {
+ public:
+  enum class Kernel : std::uint8_t { none, huber, cauchy };
+  struct Params {
+    std::int64_t k = 5;
+    double max_distance = 1.0;
+    double plane_threshold = 0.1;
+    double min_spread = 0.1;
+    double gate = 81.0;
+    Kernel kernel = Kernel::none;
+    double kernel_width = 0.1;
+  };
+  static void describe(config::Binder& b, Params& p);
+  PointToPlane(const Params& params, const BuildContext& context);
+
+  int rows_per_match() const override { return 1; }
+  MapQuery query() const override;
+  void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) override;
+  void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
+                double sigma, std::span<ResidualRow> rows) override;
+
+ private:
+  void fit_batch(std::span<const Vec3> queries, const Neighbours& neighbours, std::size_t begin, std::size_t end,
+                 std::span<Surface> out) const;
+  double weight(double r) const;
+
+  Params params_;
+  exec::Executor& exec_;
+};
+
+}  // namespace aslio::plugins
