@@ -1,0 +1,53 @@
+#include "overlaps/cell_histogram.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace aslio::plugins {
+
+namespace {
+constexpr double kCellRange = 1 << 20;  // what a store can hold per axis
+}
+
+bool CellHistogram::cell_of(const Vec3& p, double inverse_voxel, Cell& out) {
+  const double x = std::floor(p.x() * inverse_voxel), y = std::floor(p.y() * inverse_voxel),
+               z = std::floor(p.z() * inverse_voxel);
+  const auto fits = [](double c) { return c >= -kCellRange && c < kCellRange; };  // false for NaN
+  if (!fits(x) || !fits(y) || !fits(z)) return false;
+  out = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
+  return true;
+}
+
+void CellHistogram::reset(std::size_t points) {
+  cells_.clear();
+  counts_.clear();
+  const std::size_t size = std::bit_ceil(2 * points + 2);
+  slots_.assign(size, 0);
+  shift_ = static_cast<unsigned>(64 - std::bit_width(size - 1));
+}
+
+void CellHistogram::add(const Cell& cell) {
+  const auto field = [](std::int32_t c) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(c) & 0x1fffff);
+  };
+  const std::uint64_t key = field(cell.x) << 42 | field(cell.y) << 21 | field(cell.z);
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> shift_);
+  for (; slots_[slot] != 0; slot = (slot + 1) & mask) {
+    const std::size_t number = slots_[slot] - 1;
+    if (cells_[number] == cell) {
+      ++counts_[number];
+      return;
+    }
+  }
+  cells_.push_back(cell);
+  counts_.push_back(1);
+  slots_[slot] = static_cast<std::uint32_t>(cells_.size());
+}
+
+std::size_t CellHistogram::memory_bytes() const {
+  return cells_.capacity() * sizeof(Cell) + (counts_.capacity() + slots_.capacity()) * sizeof(std::uint32_t);
+}
+
+}  // namespace aslio::plugins
