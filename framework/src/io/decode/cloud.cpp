@@ -1,0 +1,279 @@
+#include "cloud.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "wire.hpp"
+
+namespace aslio::io::decode {
+namespace {
+
+constexpr std::array<std::uint32_t, 9> kSizes{0, 1, 1, 2, 2, 4, 4, 4, 8};
+constexpr std::array<std::string_view, 9> kNames{"",      "int8",   "uint8",   "int16",  "uint16",
+                                                 "int32", "uint32", "float32", "float64"};
+constexpr std::array<std::string_view, 6> kTimeNames{"t",         "time",       "time_stamp",
+                                                     "timestamp", "timestamps", "offset_time"};
+constexpr std::uint32_t kMostFields = 256;
+constexpr std::uint64_t kMostPoints = 1U << 26U;
+
+template <class T>
+double as_double(const std::uint8_t* from) {
+  T value;
+  std::memcpy(&value, from, sizeof(T));
+  return static_cast<double>(value);
+}
+
+double scalar(const std::uint8_t* point, const CloudField& field) {
+  const std::uint8_t* from = point + field.offset;
+  switch (field.datatype) {
+    case 1:
+      return as_double<std::int8_t>(from);
+    case 2:
+      return as_double<std::uint8_t>(from);
+    case 3:
+      return as_double<std::int16_t>(from);
+    case 4:
+      return as_double<std::uint16_t>(from);
+    case 5:
+      return as_double<std::int32_t>(from);
+    case 6:
+      return as_double<std::uint32_t>(from);
+    case 7:
+      return as_double<float>(from);
+    case 8:
+      return as_double<double>(from);
+    default:
+      return 0;
+  }
+}
+
+/// value * to_ns without the rounding of an epoch in ns to the 256 ns of a double. Pre: the product fits 63 bits.
+TimeNs exact_ns(double value, double to_ns) {
+  const double whole = std::floor(value);
+  return static_cast<TimeNs>(whole) * static_cast<TimeNs>(to_ns) + std::llround((value - whole) * to_ns);
+}
+
+/// A field of small integers; what does not fit becomes 255.
+std::uint8_t small(const std::uint8_t* point, const CloudField& field) {
+  if (field.datatype == 2) return point[field.offset];
+  const double value = scalar(point, field);
+  return value >= 0 && value < 255 ? static_cast<std::uint8_t>(value) : std::uint8_t{255};
+}
+
+std::array<float, 3> position(const std::uint8_t* point, const CloudTable& table) {
+  std::array<float, 3> p{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const CloudField& field = table.xyz[axis];
+    if (field.datatype == 7) {
+      std::memcpy(&p[axis], point + field.offset, 4);
+    } else {
+      const double value = scalar(point, field);
+      p[axis] = std::abs(value) < double{kFarthest} ? static_cast<float>(value) : kFarthest;
+    }
+  }
+  return p;
+}
+
+void place(std::string_view name, const CloudField& field, CloudTable& table) {
+  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (name == kAxes[axis] && field.datatype >= 7) table.xyz[axis] = field;
+  }
+  if (name == "intensity" || (name == "reflectivity" && !table.intensity.present())) table.intensity = field;
+  if (name == "ring" || name == "line") {
+    table.ring = field;
+    table.livox_lines = name == "line";
+  }
+  if (name == "tag" && field.datatype == 2) table.tag = field;
+  if (!table.time.present() && std::find(kTimeNames.begin(), kTimeNames.end(), name) != kTimeNames.end()) {
+    table.time = field;
+    table.time_name = name;
+  }
+  table.all_names +=
+      fmt::format("{}{} {}", table.all_names.empty() ? "" : ", ", name.substr(0, 32), kNames[field.datatype]);
+}
+
+std::string parse_fields(Wire& wire, std::uint32_t count, CloudTable& table, std::uint64_t& extent) {
+  if (count > kMostFields) return fmt::format("it claims {} fields (at most {})", count, kMostFields);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::string_view name = wire.text();
+    const std::uint32_t offset = wire.get<std::uint32_t>();
+    const std::uint8_t datatype = wire.get<std::uint8_t>();
+    const std::uint32_t repeat = wire.get<std::uint32_t>();
+    if (!wire.ok()) return "the message ends inside its field table";
+    if (datatype == 0 || datatype > 8) {
+      return fmt::format("field '{}' has the unknown datatype {}", name.substr(0, 32), datatype);
+    }
+    const std::uint64_t bytes = std::uint64_t{kSizes[datatype]} * std::max<std::uint32_t>(repeat, 1);
+    extent = std::max(extent, offset + bytes);
+    if (repeat <= 1) place(name, {offset, datatype}, table);
+  }
+  return {};
+}
+
+struct Extent {
+  double low = 0, high = 0;
+  std::size_t count = 0;
+};
+
+template <class Visit>
+void each_point(const CloudView& view, Visit&& visit) {
+  for (std::uint32_t row = 0; row < view.height; ++row) {
+    const std::uint8_t* point = view.data.data() + static_cast<std::size_t>(row) * view.row_step;
+    for (std::uint32_t i = 0; i < view.width; ++i, point += view.point_step) visit(point);
+  }
+}
+
+Extent time_extent(const CloudView& view) {
+  Extent extent;
+  each_point(view, [&](const std::uint8_t* point) {
+    const auto p = position(point, view.table);
+    const double t = scalar(point, view.table.time);
+    if (!is_return(p[0], p[1], p[2]) || !std::isfinite(t)) return;
+    extent.low = extent.count == 0 ? t : std::min(extent.low, t);
+    extent.high = extent.count == 0 ? t : std::max(extent.high, t);
+    ++extent.count;
+  });
+  return extent;
+}
+
+}  // namespace
+
+std::string parse_cloud(Bytes message, CloudView& view, bool& systematic) {
+  Wire wire(message);
+  view = CloudView{};
+  systematic = false;
+  view.stamp = wire.header();
+  view.height = wire.get<std::uint32_t>();
+  view.width = wire.get<std::uint32_t>();
+  std::uint64_t extent = 0;
+  if (std::string why = parse_fields(wire, wire.get<std::uint32_t>(), view.table, extent); !why.empty()) return why;
+  const bool big_endian = wire.get<std::uint8_t>() != 0;
+  view.point_step = wire.get<std::uint32_t>();
+  view.row_step = wire.get<std::uint32_t>();
+  view.data = wire.take(wire.get<std::uint32_t>());
+  if (!wire.ok()) return "the message is too short for a PointCloud2 of its size";
+  if (big_endian) {
+    systematic = true;
+    return "it is flagged big-endian, which no known driver sends; convert the bag";
+  }
+  for (const CloudField& field : view.table.xyz) {
+    if (field.present()) continue;
+    systematic = true;
+    return fmt::format("it has no x, y, z of type float32 or float64 (fields: {})", view.table.all_names);
+  }
+  if (extent > view.point_step) {
+    return fmt::format("its fields reach to byte {} of a point of {} bytes", extent, view.point_step);
+  }
+  // All factors are below 2^32: the products fit 64 bits.
+  const std::uint64_t points = std::uint64_t{view.width} * view.height;
+  if (points > kMostPoints) return fmt::format("it claims {} x {} points", view.width, view.height);
+  if (points == 0) return {};
+  if (std::uint64_t{view.width} * view.point_step > view.row_step && view.height > 1) {
+    return fmt::format("a row of {} points of {} bytes does not fit a row step of {}", view.width, view.point_step,
+                       view.row_step);
+  }
+  const std::uint64_t needed =
+      std::uint64_t{view.row_step} * (view.height - 1) + std::uint64_t{view.width} * view.point_step;
+  if (needed > view.data.size()) {
+    return fmt::format("its {} points need {} bytes, {} are there", points, needed, view.data.size());
+  }
+  return {};
+}
+
+CloudTimeRule judge_cloud_times(const CloudView& view, double sweep_period) {
+  CloudTimeRule rule;
+  const CloudTable& table = view.table;
+  if (!table.time.present()) {
+    rule.verdict = fmt::format(
+        "there is no time field (t, time, time_stamp, timestamp, timestamps, offset_time) among: {}", table.all_names);
+    return rule;
+  }
+  const Extent extent = time_extent(view);
+  const std::string field = fmt::format("field '{}' ({})", table.time_name, kNames[table.time.datatype]);
+  const double span = extent.high - extent.low;
+  if (span <= 0) {
+    rule.verdict = fmt::format("{} is {} in all {} points", field, extent.low, extent.count);
+    return rule;
+  }
+  // Units differ by 1000, the admissible spans by 30: at most one unit fits.
+  struct Unit {
+    std::string_view name;
+    double seconds, to_ns;
+  };
+  constexpr std::array<Unit, 4> kUnits{{{"s", 1, 1e9}, {"ms", 1e-3, 1e6}, {"us", 1e-6, 1e3}, {"ns", 1e-9, 1}}};
+  const auto fits = [&](const Unit& unit) {
+    return span * unit.seconds > 0.1 * sweep_period && span * unit.seconds < 3.0 * sweep_period;
+  };
+  const auto unit = std::find_if(kUnits.begin(), kUnits.end(), fits);
+  if (unit == kUnits.end()) {
+    rule.verdict =
+        fmt::format("{} spans {:.6g}, which is a sweep of {} s in none of s, ms, us, ns", field, span, sweep_period);
+    return rule;
+  }
+  const double low = extent.low * unit->seconds, high = extent.high * unit->seconds, stamp = to_seconds(view.stamp);
+  const double relative = std::min(std::abs(low), std::abs(high));
+  const double absolute = std::min(std::abs(low - stamp), std::abs(high - stamp));
+  if (std::min(relative, absolute) > 1.5 * sweep_period) {
+    rule.verdict = fmt::format(
+        "{} runs from {:.6f} to {:.6f} s: neither near 0 nor near the header stamp {:.6f} s; "
+        "the clocks of driver and sensor differ",
+        field, low, high, stamp);
+    return rule;
+  }
+  rule.known = true;
+  rule.to_ns = unit->to_ns;
+  rule.absolute = absolute < relative;
+  const double shift = rule.absolute ? stamp : 0.0;
+  const bool last = high - shift < 0.3 * sweep_period && low - shift < -0.3 * sweep_period;
+  rule.verdict = fmt::format("{}, {}, {} ({:.6f} to {:.6f} s from the header stamp{})", field, unit->name,
+                             rule.absolute ? "absolute" : "relative to the header stamp", low - shift, high - shift,
+                             last ? ", which is of the last packet" : "");
+  return rule;
+}
+
+std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPacket& packet) {
+  const CloudTable& table = view.table;
+  const bool timed = rule.time.known && table.time.present();
+  const bool filter_tags = rule.tag_filter && table.tag.present() && table.livox_lines;
+  const double longest = static_cast<double>(rule.longest_offset);
+  packet.stamp = view.stamp;
+  packet.points.clear();
+  packet.points.reserve(static_cast<std::size_t>(view.width) * view.height);
+  TimeNs first = kTimeMax, last = kTimeMin;
+  each_point(view, [&](const std::uint8_t* from) {
+    const auto p = position(from, table);
+    if (!is_return(p[0], p[1], p[2])) return;
+    TimedPoint point;
+    if (table.tag.present()) point.tag = from[table.tag.offset];
+    if (filter_tags && (point.tag & 0x30U) != 0x00 && (point.tag & 0x30U) != 0x10) return;
+    if (table.ring.present()) point.line = small(from, table.ring);
+    if (table.livox_lines && point.line >= rule.scan_lines) return;
+    point.t = view.stamp;
+    if (timed) {
+      const double value = scalar(from, table.time);
+      const double offset = value * rule.time.to_ns - (rule.time.absolute ? static_cast<double>(view.stamp) : 0.0);
+      if (!(std::abs(offset) <= longest)) return;
+      point.t = rule.time.absolute ? exact_ns(value, rule.time.to_ns) : view.stamp + std::llround(offset);
+      first = std::min(first, point.t);
+      last = std::max(last, point.t);
+    }
+    point.x = p[0];
+    point.y = p[1];
+    point.z = p[2];
+    if (table.intensity.present()) point.intensity = static_cast<float>(scalar(from, table.intensity));
+    point.sweep_id = packet.sweep_id;
+    packet.points.push_back(point);
+  });
+  packet.dropped_invalid = static_cast<std::size_t>(view.width) * view.height - packet.points.size();
+  constexpr std::size_t kSomePoints = 16;
+  if (timed && first == last && packet.points.size() > kSomePoints) {
+    return fmt::format("all {} points have the same time", packet.points.size());
+  }
+  return {};
+}
+
+}  // namespace aslio::io::decode

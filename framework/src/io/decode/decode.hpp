@@ -1,0 +1,63 @@
+#pragma once
+/// Decoders of ROS1 messages. Each returns an empty text, or what is wrong with the message.
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "aslio/core/measurement.hpp"
+#include "aslio/core/sensor.hpp"
+#include "aslio/io/source.hpp"
+
+namespace aslio::io::decode {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// No LiDAR sees farther [m]; beyond stand the sentinels and bit errors that overflow integer grids.
+inline constexpr float kFarthest = 1e5F;
+
+/// Finite, not the zero return, and not absurdly far.
+inline bool is_return(float x, float y, float z) {
+  const bool bounded = std::abs(x) < kFarthest && std::abs(y) < kFarthest && std::abs(z) < kFarthest;
+  return bounded && (x != 0 || y != 0 || z != 0);
+}
+
+/// Header stamp of any message that starts with a std_msgs/Header; nullopt when it is too short.
+std::optional<TimeNs> header_stamp(Bytes message);
+
+/// Values as sent, units not yet known.
+std::string decode_imu(Bytes message, ImuSample& sample);
+
+/// How the times of a Livox CustomMsg are read.
+struct LivoxRule {
+  bool tag_filter = true;
+  int scan_lines = 6;
+  TimeNs longest_offset = kSecond;  ///< larger offsets are damage
+  bool from_header = false;         ///< offsets count from the header stamp, since the time base is another clock
+};
+
+/// What the first message of a topic tells.
+struct LivoxFacts {
+  TimeNs stamp = 0, timebase = 0;
+  std::uint32_t declared = 0, present = 0, valid = 0, first_offset = 0, last_offset = 0;
+};
+
+std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts);
+
+/// Factors to SI, how they were found, and doubts.
+struct ImuUnits {
+  double acc = 1, gyro = 1;
+  std::vector<std::string> verdicts, warnings;
+};
+
+/// Largest angular rate a common gyroscope can report (+-2000 deg/s = 34.9 rad/s), with some room [rad/s].
+inline constexpr double kFastestGyro = 40.0;
+
+/// Judges the units from the first seconds of samples. `where` names file and topic in messages. Throws DataError when
+/// the magnitude fits no unit, or not the declared one.
+ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where);
+
+}  // namespace aslio::io::decode

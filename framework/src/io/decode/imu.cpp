@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aslio/core/errors.hpp"
+#include "decode.hpp"
+#include "wire.hpp"
+
+namespace aslio::io::decode {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+Vec3 vector(Wire& wire) {
+  Vec3 v;
+  for (int i = 0; i < 3; ++i) v[i] = wire.get<double>();
+  return v;
+}
+
+bool like_g(double norm) { return norm >= 0.7 && norm <= 1.4; }
+bool like_mps2(double norm) { return norm >= 7.0 && norm <= 13.0; }
+
+/// Median norm of the specific force over the first second; not finite ones do not count.
+double median_norm(std::span<const ImuSample> samples) {
+  std::vector<double> norms;
+  for (const ImuSample& s : samples) {
+    if (s.t - samples.front().t <= kSecond && s.acc.allFinite()) norms.push_back(s.acc.norm());
+  }
+  if (norms.empty()) return std::nan("");
+  const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
+  std::nth_element(norms.begin(), middle, norms.end());
+  return *middle;
+}
+
+void judge_acc(double norm, AccUnit declared, const std::string& where, ImuUnits& units) {
+  if (declared == AccUnit::g && like_mps2(norm)) {
+    throw DataError(
+        fmt::format("{}: acc_unit is g, but the acceleration has a norm of {:.3f} at the start: it is in "
+                    "m/s^2 (a factor of 9.80665); set `acc_unit: mps2` or `auto`",
+                    where, norm));
+  }
+  if (declared == AccUnit::mps2 && like_g(norm)) {
+    throw DataError(
+        fmt::format("{}: acc_unit is mps2, but the acceleration has a norm of {:.3f} at the start: it is "
+                    "in g (a factor of 9.80665); set `acc_unit: g` or `auto`",
+                    where, norm));
+  }
+  const bool in_g = declared == AccUnit::g || (declared == AccUnit::automatic && like_g(norm));
+  if (declared == AccUnit::automatic && !in_g && !like_mps2(norm)) {
+    throw DataError(
+        fmt::format("{}: the acceleration has a median norm of {:.3f} over the first second: neither g "
+                    "(0.7 to 1.4) nor m/s^2 (7 to 13); check the sensor, or declare `acc_unit`",
+                    where, norm));
+  }
+  if (!like_g(norm) && !like_mps2(norm)) {
+    units.warnings.push_back(
+        fmt::format("{}: acceleration norm {:.3f} at the start fits neither g nor m/s^2", where, norm));
+  }
+  units.acc = in_g ? kStandardGravity : 1.0;
+  const char* how = declared == AccUnit::automatic ? "found" : "declared";
+  units.verdicts.push_back(
+      in_g ? fmt::format("imu acceleration: g ({}; norm {:.3f} at the start), multiplied by 9.80665", how, norm)
+           : fmt::format("imu acceleration: m/s^2 ({}; norm {:.3f} at the start)", how, norm));
+}
+
+void judge_gyro(std::span<const ImuSample> samples, GyroUnit declared, const std::string& where, ImuUnits& units) {
+  double fastest = 0;
+  std::size_t too_fast = 0;
+  for (const ImuSample& s : samples) {
+    if (!s.gyro.allFinite()) continue;
+    fastest = std::max(fastest, s.gyro.norm());
+    too_fast += s.gyro.norm() > kFastestGyro ? 1 : 0;
+  }
+  // A few spikes are bit errors, not a unit.
+  const bool degrees = too_fast >= 5;
+  if (declared == GyroUnit::rad_s && degrees) {
+    throw DataError(
+        fmt::format("{}: gyro_unit is rad_s, but {} samples exceed {} rad/s (fastest {:.1f}): they are in "
+                    "deg/s (a factor of pi/180); set `gyro_unit: deg_s` or `auto`",
+                    where, too_fast, kFastestGyro, fastest));
+  }
+  const bool in_degrees = declared == GyroUnit::deg_s || (declared == GyroUnit::automatic && degrees);
+  units.gyro = in_degrees ? kDegree : 1.0;
+  units.verdicts.push_back(fmt::format("imu angular rate: {} ({}; fastest {:.3f} at the start){}",
+                                       in_degrees ? "deg/s" : "rad/s",
+                                       declared != GyroUnit::automatic ? "declared"
+                                       : in_degrees                    ? "found, no gyroscope turns so fast in rad/s"
+                                                                       : "assumed, nothing speaks against it",
+                                       fastest, in_degrees ? ", multiplied by pi/180" : ""));
+}
+
+}  // namespace
+
+std::optional<TimeNs> header_stamp(Bytes message) {
+  Wire wire(message);
+  wire.get<std::uint32_t>();
+  const TimeNs stamp = wire.time();
+  return wire.ok() ? std::optional(stamp) : std::nullopt;
+}
+
+std::string decode_imu(Bytes message, ImuSample& sample) {
+  Wire wire(message);
+  sample.t = wire.header();
+  wire.take(4 * 8 + 9 * 8);  // orientation and its covariance
+  sample.gyro = vector(wire);
+  wire.take(9 * 8);
+  sample.acc = vector(wire);
+  wire.take(9 * 8);
+  return wire.ok() ? std::string{} : "the message is too short for an Imu";
+}
+
+ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where) {
+  if (samples.empty()) throw DataError(fmt::format("{}: there is no IMU sample", where));
+  ImuUnits units;
+  judge_acc(median_norm(samples), acc, where, units);
+  judge_gyro(samples, gyro, where, units);
+  return units;
+}
+
+}  // namespace aslio::io::decode

@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "decode.hpp"
+#include "wire.hpp"
+
+namespace aslio::io::decode {
+namespace {
+
+constexpr std::size_t kPointBytes = 19;  // packed: offset_time u32, x y z f32, reflectivity, tag, line u8
+
+}  // namespace
+
+std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts) {
+  Wire wire(message);
+  facts = LivoxFacts{};
+  facts.stamp = packet.stamp = wire.header();
+  const std::uint64_t timebase = wire.get<std::uint64_t>();
+  facts.declared = wire.get<std::uint32_t>();
+  wire.take(4);  // lidar_id, rsvd
+  const std::uint32_t count = wire.get<std::uint32_t>();
+  if (!wire.ok()) return "the message is too short for a CustomMsg";
+  if (count * std::uint64_t{kPointBytes} > wire.left()) {
+    return fmt::format("it claims {} points where {} bytes are left", count, wire.left());
+  }
+  if (!rule.from_header && timebase > static_cast<std::uint64_t>(kTimeMax - 10 * kSecond)) {
+    return fmt::format("its time base {} is no time", timebase);
+  }
+  facts.timebase = static_cast<TimeNs>(std::min(timebase, static_cast<std::uint64_t>(kTimeMax)));
+  facts.present = count;
+  const TimeNs base = rule.from_header ? packet.stamp : facts.timebase;
+  const std::uint8_t* from = wire.take(count * std::uint64_t{kPointBytes}).data();
+  packet.points.clear();
+  packet.points.reserve(count);
+  const std::uint32_t longest = static_cast<std::uint32_t>(std::min<TimeNs>(rule.longest_offset, 0xFFFFFFFF));
+  const int lines = std::min(rule.scan_lines, 256);
+  for (std::uint32_t i = 0; i < count; ++i, from += kPointBytes) {
+    std::uint32_t offset = 0;
+    std::array<float, 3> p{};
+    std::memcpy(&offset, from, 4);
+    std::memcpy(p.data(), from + 4, 12);
+    const std::uint8_t tag = from[17], line = from[18], returns = tag & 0x30U;
+    if (i == 0) facts.first_offset = offset;
+    facts.last_offset = std::max(facts.last_offset, offset);
+    const bool noise = rule.tag_filter && returns != 0x00 && returns != 0x10;
+    if (noise || line >= lines || offset > longest || !is_return(p[0], p[1], p[2])) continue;
+    TimedPoint& point = packet.points.emplace_back();
+    point.x = p[0];
+    point.y = p[1];
+    point.z = p[2];
+    point.intensity = from[16];
+    point.t = base + offset;
+    point.sweep_id = packet.sweep_id;
+    point.line = line;
+    point.tag = tag;
+  }
+  facts.valid = static_cast<std::uint32_t>(packet.points.size());
+  packet.dropped_invalid = count - packet.points.size();
+  return {};
+}
+
+}  // namespace aslio::io::decode

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+#include "aslio/config/binder.hpp"
+#include "aslio/io/source.hpp"
+
+namespace aslio::io {
+namespace {
+
+/// Calibration files carry six digits or more; what deviates further was mistyped.
+constexpr double kOrthonormalTolerance = 1e-4;
+
+struct PoseBlock {
+  std::vector<double> translation, rotation;
+
+  explicit PoseBlock(const Pose& T) : translation{T.p.x(), T.p.y(), T.p.z()} {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) rotation.push_back(T.R(row, column));
+    }
+  }
+  Mat3 matrix() const {
+    Mat3 R = Mat3::Zero();
+    for (std::size_t i = 0; i < 9 && rotation.size() == 9; ++i) {
+      R(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = rotation[i];
+    }
+    return R;
+  }
+
+  static void describe(config::Binder& b, PoseBlock& block) {
+    b.reals("translation", block.translation, 3, "m", {.min = -100.0, .max = 100.0},
+            "origin of the LiDAR in the IMU frame");
+    b.reals("rotation", block.rotation, 9, "1", {.min = -1.001, .max = 1.001},
+            "rotation from the LiDAR to the IMU frame, row by row");
+    const Mat3 R = block.matrix();
+    const double deviation = (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff();
+    b.require(deviation < kOrthonormalTolerance, "rotation",
+              fmt::format("is not orthonormal: R^T R deviates from identity by {:.3g} (at most {:.0e})", deviation,
+                          kOrthonormalTolerance));
+    const double determinant = R.col(0).cross(R.col(1)).dot(R.col(2));
+    b.require(deviation >= kOrthonormalTolerance || determinant > 0, "rotation",
+              "has determinant -1: it mirrors; a row or a column has the wrong sign");
+  }
+};
+
+}  // namespace
+
+void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
+  b.text("lidar_topic", sensor.lidar_topic, "LiDAR topic of a bag; empty: the only one of a known type");
+  b.text("imu_topic", sensor.imu_topic, "IMU topic of a bag; empty: the only one");
+  b.choice("acc_unit", sensor.acc_unit, {{"auto", AccUnit::automatic}, {"g", AccUnit::g}, {"mps2", AccUnit::mps2}},
+           "unit of the acceleration; auto: by its norm in the first second");
+  b.choice("gyro_unit", sensor.gyro_unit,
+           {{"auto", GyroUnit::automatic}, {"rad_s", GyroUnit::rad_s}, {"deg_s", GyroUnit::deg_s}},
+           "unit of the angular rate; auto: rad/s unless too fast for any gyroscope");
+  b.flag("livox_tag_filter", sensor.livox_tag_filter, "drop Livox returns whose tag marks them as noise");
+  b.flag(
+      "require_point_times", sensor.require_point_times,
+      "refuse clouds whose point times cannot be known; false: all points take the header stamp, without de-skewing");
+
+  SensorModel& model = sensor.model;
+  PoseBlock extrinsic(model.T_imu_lidar);
+  b.group("T_imu_lidar", extrinsic, "pose of the LiDAR in the IMU frame: p_I = T_imu_lidar p_L");
+  if (extrinsic.translation.size() == 3 && extrinsic.rotation.size() == 9) {
+    // Untouched numbers keep the pose bit for bit; digits cut by hand are made a rotation again.
+    const Mat3 R = extrinsic.matrix();
+    model.T_imu_lidar.p = Vec3(extrinsic.translation[0], extrinsic.translation[1], extrinsic.translation[2]);
+    if (R != model.T_imu_lidar.R) model.T_imu_lidar.R = orthonormalised(R);
+  }
+  std::int64_t lines = model.scan_lines;
+  b.integer("scan_lines", lines, "1", {.min = 1, .max = 256}, "scan lines; Livox points of a higher line are dropped");
+  model.scan_lines = static_cast<int>(lines);
+  b.real("min_range", model.min_range, "m", {.min = 0.0, .max = 100.0}, "returns nearer are the carrier or noise");
+  b.real("max_range", model.max_range, "m", {.above = 0.0, .max = 1000.0}, "returns farther are not used");
+  b.require(model.max_range > model.min_range, "max_range", "must be above min_range");
+  b.real("sweep_period", model.sweep_period, "s", {.min = 0.001, .max = 2.0}, "time between LiDAR messages");
+  b.real("gyro_noise", model.gyro_noise, "rad/s/sqrt(Hz)", {.above = 0.0, .max = 10.0}, "angular rate noise density");
+  b.real("acc_noise", model.acc_noise, "m/s^2/sqrt(Hz)", {.above = 0.0, .max = 100.0}, "acceleration noise density");
+  b.real("gyro_bias_walk", model.gyro_bias_walk, "rad/s^2/sqrt(Hz)", {.above = 0.0, .max = 10.0},
+         "random walk density of the gyroscope bias");
+  b.real("acc_bias_walk", model.acc_bias_walk, "m/s^3/sqrt(Hz)", {.above = 0.0, .max = 100.0},
+         "random walk density of the accelerometer bias");
+}
+
+}  // namespace aslio::io
