@@ -18,7 +18,7 @@ class BalancedHistory final : public HistoryPolicy {
     double rho = 0.25;
     double cap = 2.0;
     HistoryCovariance covariance = HistoryCovariance::joseph;
-    std::optional<double> age_taper;
+    std::optional<double> age_taper = std::nullopt;
     double gate = 3.0;
     double max_residual = 0.1;
   };

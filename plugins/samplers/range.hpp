@@ -12,7 +12,8 @@ namespace aslio::plugins {
 class RangeSampler final : public Sampler {
  public:
   struct Params {
-    std::optional<double> min, max;
+    std::optional<double> min = std::nullopt;
+    std::optional<double> max = std::nullopt;
     TapNames taps{"overlap", "map", "match"};
   };
   static void describe(config::Binder& b, Params& p);

@@ -17,7 +17,7 @@ class FixedWindow final : public WindowStrategy {
   struct Params {
     double period = 0.1;
     Cut cut = Cut::time;
-    std::optional<double> frame_length;
+    std::optional<double> frame_length = std::nullopt;
   };
   static void describe(config::Binder& b, Params& p);
 

@@ -1,0 +1,131 @@
+#include "samplers/voxel.hpp"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "plugins/allocation_count.hpp"
+#include "plugins/build_environment.hpp"
+#include "plugins/samplers/batch.hpp"
+
+namespace aslio {
+namespace {
+
+using plugins::VoxelSampler;
+
+/// The definition, one tap at a time over an ordered map of cubes.
+std::vector<TapMask> brute_force(const test::Batch& batch, const VoxelSampler::Params& params) {
+  std::vector<TapMask> taps = batch.taps;
+  const auto leaves_per_metre = static_cast<float>(1.0 / params.leaf);
+  for (const std::string& name : params.taps) {
+    const Tap tap = name == "overlap" ? Tap::overlap : name == "map" ? Tap::map : Tap::match;
+    std::map<std::array<int, 3>, std::pair<float, std::size_t>> holders;
+    for (std::size_t i = 0; i < taps.size(); ++i) {
+      if ((taps[i] & mask(tap)) == 0) continue;
+      const Eigen::Vector3f p = batch.body[i] * leaves_per_metre;
+      const Eigen::Vector3f floor = p.array().floor();
+      const Eigen::Vector3f d = p - (floor + Eigen::Vector3f::Constant(0.5f));
+      const float squared =
+          params.keep == VoxelSampler::Keep::first ? 0.0f : d.x() * d.x() + d.y() * d.y() + d.z() * d.z();
+      const std::array<int, 3> cell = {static_cast<int>(floor.x()), static_cast<int>(floor.y()),
+                                       static_cast<int>(floor.z())};
+      const auto [at, fresh] = holders.try_emplace(cell, squared, i);
+      if (!fresh && squared < at->second.first) at->second = {squared, i};
+    }
+    for (TapMask& bits : taps) bits = static_cast<TapMask>(bits & ~mask(tap) & kAllTaps);
+    for (const auto& [cell, holder] : holders)
+      taps[holder.second] = static_cast<TapMask>(taps[holder.second] | mask(tap));
+  }
+  return taps;
+}
+
+}  // namespace
+
+TEST_CASE("voxel agrees with its definition, also when taps were thinned apart, and from frame to frame") {
+  test::BuildEnvironment environment;
+  const auto keep = GENERATE(VoxelSampler::Keep::centre, VoxelSampler::Keep::first);
+  const double leaf = GENERATE(0.05, 0.3, 2.0);
+  const auto taps = GENERATE(plugins::TapNames{"map", "match"}, plugins::TapNames{"overlap", "map", "match"},
+                             plugins::TapNames{"match"});
+  const VoxelSampler::Params params{.leaf = leaf, .keep = keep, .taps = taps};
+  VoxelSampler sampler(params, environment.context());
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    CAPTURE(leaf, seed, taps.size());
+    test::Batch batch = test::random_batch(200 * seed, seed, 1.0f, seed % 2 == 0);
+    const auto expected = brute_force(batch, params);
+    SampleBatch view = batch.view();
+    sampler.sample(view);
+    CHECK(batch.taps == expected);
+  }
+}
+
+TEST_CASE("voxel keeps the point nearest to the centre of its cube, and of equal ones the first") {
+  test::BuildEnvironment environment;
+  VoxelSampler sampler({.leaf = 1.0, .taps = {"map"}}, environment.context());
+  test::Batch batch;
+  batch.add({0.1f, 0.5f, 0.5f});
+  batch.add({0.75f, 0.5f, 0.5f});
+  batch.add({0.25f, 0.5f, 0.5f});
+  batch.add({0.9f, 0.5f, 0.5f});
+  SampleBatch view = batch.view();
+  sampler.sample(view);
+  const auto without_map = static_cast<TapMask>(kAllTaps & ~mask(Tap::map));
+  CHECK(batch.taps == std::vector<TapMask>{without_map, kAllTaps, without_map, without_map});
+}
+
+TEST_CASE("voxel does not merge the cubes around the origin") {
+  test::BuildEnvironment environment;
+  VoxelSampler sampler({.leaf = 1.0, .taps = {"map"}}, environment.context());
+  test::Batch batch;
+  for (const float x : {-0.5f, 0.5f}) {
+    for (const float y : {-0.5f, 0.5f}) {
+      for (const float z : {-0.5f, 0.5f}) batch.add({x, y, z});
+    }
+  }
+  SampleBatch view = batch.view();
+  sampler.sample(view);
+  CHECK(batch.count(Tap::map) == 8);
+}
+
+TEST_CASE("voxel: points that are not finite or absurdly far lose the taps") {
+  test::BuildEnvironment environment;
+  VoxelSampler sampler({.leaf = 0.5}, environment.context());
+  test::Batch batch;
+  batch.add({1.0f, std::nanf(""), 0.0f});
+  batch.add({std::numeric_limits<float>::infinity(), 0.0f, 0.0f});
+  batch.add({0.0f, -1e6f, 0.0f});
+  batch.add({std::nanf(""), 1.0f, 1.0f});
+  batch.add({1.0f, 1.0f, 1.0f});
+  SampleBatch view = batch.view();
+  sampler.sample(view);
+  CHECK(batch.count(Tap::map) == 1);
+  CHECK(batch.taps[4] == kAllTaps);
+}
+
+TEST_CASE("a point whose tap was cleared before does not win a cube for that tap") {
+  test::BuildEnvironment environment;
+  VoxelSampler sampler({.leaf = 1.0}, environment.context());
+  test::Batch batch;
+  batch.add({0.5f, 0.5f, 0.5f}, mask(Tap::map));
+  batch.add({0.9f, 0.9f, 0.9f}, kAllTaps);
+  SampleBatch view = batch.view();
+  sampler.sample(view);
+  CHECK(batch.count(Tap::map) == 1);
+  CHECK(batch.count(Tap::match) == 1);
+}
+
+TEST_CASE("voxel does not allocate after the largest frame") {
+  test::BuildEnvironment environment;
+  VoxelSampler sampler({}, environment.context());
+  test::Batch large = test::random_batch(5000, 1, 10.0f), small = test::random_batch(500, 2, 10.0f);
+  SampleBatch view = large.view();
+  sampler.sample(view);
+  view = small.view();
+  const std::size_t before = test::allocation_count();
+  sampler.sample(view);
+  CHECK(test::allocation_count() == before);
+}
+
+}  // namespace aslio

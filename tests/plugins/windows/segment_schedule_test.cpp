@@ -1,0 +1,139 @@
+#include "windows/segment_schedule.hpp"
+
+#include <catch2/catch.hpp>
+
+using aslio::TimeNs;
+using aslio::plugins::Recover;
+using aslio::plugins::SegmentSchedule;
+
+namespace {
+
+constexpr TimeNs kFrame = 100'000'000;
+constexpr std::int64_t kNoLimit = 1000;
+
+}  // namespace
+
+TEST_CASE("the worked table of overlap, segments, shift and echo") {
+  struct Row {
+    double seg_step, overlap;
+    std::int64_t n;
+    double shift_ms, hz;
+    std::int64_t echo;
+  };
+  const auto row = GENERATE(values<Row>({{0.1, 1.00, 2, 100.0, 10, 1},
+                                         {0.1, 0.95, 2, 100.0, 10, 1},
+                                         {0.1, 0.90, 2, 100.0, 10, 1},
+                                         {0.1, 0.80, 3, 66.7, 15, 3},
+                                         {0.1, 0.50, 6, 33.3, 30, 6},
+                                         {0.1, 0.20, 9, 22.2, 45, 9},
+                                         {0.1, 0.00, 11, 18.2, 55, 11},
+                                         {0.2, 0.95, 2, 100.0, 10, 1},
+                                         {0.2, 0.80, 2, 100.0, 10, 1},
+                                         {0.2, 0.50, 4, 50.0, 20, 4},
+                                         {0.2, 0.20, 5, 40.0, 25, 5},
+                                         {0.2, 0.00, 6, 33.3, 30, 6}}));
+  CAPTURE(row.seg_step, row.overlap);
+  SegmentSchedule schedule(row.seg_step, kNoLimit, Recover::step);
+  schedule.observe(row.overlap);
+  CHECK(schedule.n() == row.n);
+  CHECK(schedule.echo() == row.echo);
+  CHECK(1e-6 * static_cast<double>(schedule.shift(kFrame)) == Approx(row.shift_ms).margin(0.05));
+  CHECK(1e9 / static_cast<double>(schedule.shift(kFrame)) == Approx(row.hz).epsilon(1e-6));
+}
+
+TEST_CASE("the rates of the paper: 10 to 125 Hz") {
+  const SegmentSchedule schedule(0.04, 25, Recover::step);
+  CHECK(schedule.wanted(0.05) == 25);
+  CHECK(schedule.wanted(0.0) == 25);
+  CHECK(schedule.wanted(0.97) == 2);
+  SegmentSchedule fast(0.04, 25, Recover::step);
+  fast.observe(0.05);
+  CHECK(fast.shift(kFrame) == 8'000'000);
+}
+
+TEST_CASE("rounding does not add a segment") {
+  for (int tenths = 0; tenths <= 9; ++tenths) {
+    CAPTURE(tenths);
+    const SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+    CHECK(schedule.wanted(0.1 * tenths) == std::max(2, 11 - tenths));
+    CHECK(schedule.wanted(0.1 * tenths + 1e-6) == std::max(2, 11 - tenths));
+    CHECK(schedule.wanted(0.1 * tenths - 1e-6) == 12 - tenths);
+  }
+}
+
+TEST_CASE("an echo spans two frame lengths of stream whatever n") {
+  for (std::int64_t n = 3; n <= 25; ++n) {
+    CAPTURE(n);
+    SegmentSchedule schedule(0.04, n, Recover::step);
+    schedule.observe(0.0);
+    REQUIRE(schedule.n() == n);
+    TimeNs span = 0;
+    while (schedule.n() == n) {  // full overlap from now on: only the echo holds n
+      span += schedule.shift(kFrame);
+      schedule.observe(1.0);
+    }
+    CHECK(span <= 2 * kFrame);
+    CHECK(span > 2 * kFrame - n);
+    CHECK(schedule.n() == 2);
+  }
+}
+
+TEST_CASE("a further drop interrupts the echo at once and re-arms it") {
+  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  schedule.observe(0.75);
+  schedule.observe(0.75);
+  REQUIRE(schedule.n() == 4);
+  REQUIRE(schedule.echo() == 3);
+  schedule.observe(0.35);
+  CHECK(schedule.n() == 8);
+  CHECK(schedule.echo() == 8);
+}
+
+TEST_CASE("a drop to the same n neither restarts nor shortens the echo, and a lasting one re-arms it") {
+  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  for (const std::int64_t echo : {4, 3, 2, 1, 4, 3}) {
+    schedule.observe(0.75);
+    CHECK(schedule.n() == 4);
+    CHECK(schedule.echo() == echo);
+  }
+}
+
+TEST_CASE("ramp: n falls by one per echo, never below what the overlap asks for") {
+  SegmentSchedule schedule(0.1, kNoLimit, Recover::ramp);
+  schedule.observe(0.55);
+  REQUIRE(schedule.n() == 6);
+  for (const std::int64_t n : {5, 4}) {
+    const std::int64_t echo = schedule.echo();
+    for (std::int64_t k = 0; k < echo; ++k) {
+      CHECK(schedule.n() == n + 1);
+      schedule.observe(0.75);
+    }
+    CHECK(schedule.n() == n);
+  }
+  for (int k = 0; k < 8; ++k) schedule.observe(0.75);
+  CHECK(schedule.n() == 4);
+}
+
+TEST_CASE("an undefined overlap keeps n while the echo runs on") {
+  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  schedule.observe(0.75);
+  for (int k = 0; k < 10; ++k) {
+    schedule.observe(k % 2 == 0 ? std::optional<double>() : std::nan(""));
+    CHECK(schedule.n() == 4);
+  }
+  CHECK(schedule.echo() == 0);
+  schedule.observe(0.95);
+  CHECK(schedule.n() == 2);
+}
+
+TEST_CASE("anticipation can only raise n") {
+  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  schedule.observe(0.75);
+  CHECK_FALSE(schedule.anticipate(std::nullopt));
+  CHECK_FALSE(schedule.anticipate(1.0));
+  CHECK_FALSE(schedule.anticipate(0.75));
+  CHECK(schedule.echo() == 4);
+  CHECK(schedule.anticipate(0.45));
+  CHECK(schedule.n() == 7);
+  CHECK(schedule.echo() == 7);
+}
