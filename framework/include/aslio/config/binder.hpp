@@ -11,6 +11,7 @@
 /// Defaults live in Params alone. A describe() may be called many times (parse, dump, describe) and must not have
 /// any effect beyond calls on the binder; `require` is evaluated only once the whole block has been read without error.
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
@@ -23,6 +24,8 @@
 #include "aslio/config/nested.hpp"
 
 namespace aslio::config {
+
+class Node;  // config/node.hpp
 
 /// Admissible interval of a number: min <= v <= max and above < v < below.
 struct Range {
@@ -62,7 +65,7 @@ class Binder {
       names.emplace_back(name);
     }
     choice_index(key, index, names, doc);
-    value = (values.begin() + index)->second;
+    value = (values.begin() + static_cast<std::ptrdiff_t>(index))->second;
   }
 
   /// A nested stage, built by the same registry: `motion: {type: imu_midpoint, ...}` or, in short, `motion:
@@ -74,7 +77,9 @@ class Binder {
   /// An ordered list of stages.
   template <class S>
   void stages(std::string_view key, std::vector<Nested<S>>& slots, std::string_view doc) {
-    if (auto recipes = stage_recipes(key, S::family, doc)) {
+    std::vector<std::string> default_types;
+    for (const Nested<S>& slot : slots) default_types.push_back(slot.type());
+    if (auto recipes = stage_recipes(key, S::family, default_types, doc)) {
       slots.clear();
       for (auto& recipe : *recipes) slots.emplace_back().resolve(std::move(recipe));
     }
@@ -92,6 +97,26 @@ class Binder {
     }
   }
 
+  /// An ordered list of plain blocks, each described as by group().
+  template <class P>
+  void groups(std::string_view key, std::vector<P>& blocks, std::string_view doc) {
+    const std::optional<ListPlan> plan = begin_list(key, blocks.size(), doc);
+    if (!plan) return;
+    if (plan->fresh) blocks.assign(plan->count, P{});
+    for (std::size_t i = 0; i < plan->count; ++i) {
+      if (!begin_item(i)) continue;
+      if constexpr (requires { P::describe(*this, blocks[i]); }) {
+        P::describe(*this, blocks[i]);
+      } else {
+        describe(*this, blocks[i]);
+      }
+      end_group();
+    }
+    end_list();
+  }
+  /// A part whose keys the reader of the file gives meaning to (the settings of a study). Absent stays as it is.
+  virtual void tree(std::string_view key, Node& value, std::string_view doc) = 0;
+
   /// A key that existed once: using it is an error that names the replacement ("use frame_length").
   virtual void removed(std::string_view key, std::string_view advice) = 0;
   /// Cross-check; on failure an error at `key` with `message`.
@@ -103,11 +128,20 @@ class Binder {
   /// The validated recipe; null when this binder does not parse, or the block had errors (already reported).
   virtual std::shared_ptr<const StageRecipe> stage_recipe(std::string_view key, std::string_view family,
                                                           std::string_view default_type, std::string_view doc) = 0;
-  virtual std::optional<std::vector<std::shared_ptr<const StageRecipe>>> stage_recipes(std::string_view key,
-                                                                                       std::string_view family,
-                                                                                       std::string_view doc) = 0;
+  virtual std::optional<std::vector<std::shared_ptr<const StageRecipe>>> stage_recipes(
+      std::string_view key, std::string_view family, const std::vector<std::string>& default_types,
+      std::string_view doc) = 0;
   virtual bool begin_group(std::string_view key, std::string_view doc) = 0;
   virtual void end_group() = 0;
+  /// How many blocks of a list to describe, and whether they start from their defaults.
+  struct ListPlan {
+    std::size_t count = 0;
+    bool fresh = false;
+  };
+  virtual std::optional<ListPlan> begin_list(std::string_view key, std::size_t size, std::string_view doc) = 0;
+  /// Closed by end_group().
+  virtual bool begin_item(std::size_t index) = 0;
+  virtual void end_list() = 0;
 };
 
 }  // namespace aslio::config

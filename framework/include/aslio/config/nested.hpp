@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 namespace aslio {
@@ -38,6 +39,7 @@ class Nested {
   const std::string& type() const { return recipe_ ? recipe_->type : type_; }
   /// Builds the stage. Pre: the block has been parsed (the pipeline has done so before any stage is built).
   std::unique_ptr<S> make(const BuildContext& context) const {
+    if (!recipe_) throw std::logic_error("stage '" + type_ + "' is built before its configuration has been read");
     return std::unique_ptr<S>(static_cast<S*>(recipe_->make(context).release()));
   }
   bool resolved() const { return recipe_ != nullptr; }

@@ -9,31 +9,20 @@
 #include <vector>
 
 #include "aslio/config/binder.hpp"
+#include "aslio/config/stage_lookup.hpp"
 
 namespace aslio::plugin {
 
-/// One registered type, with the type of its parameters erased.
-struct Entry {
-  std::string family;
-  std::string type;
-  std::string doc;     ///< one sentence
-  std::string origin;  ///< "built-in" or the path of the shared object
-  /// Fresh default parameters (Params).
-  std::function<std::shared_ptr<void>()> defaults;
-  /// Describes `params` (made by `defaults`) to a binder.
-  std::function<void(config::Binder&, void* params)> describe;
-  /// Builds a stage from `params`.
-  std::function<std::unique_ptr<Stage>(const void* params, const BuildContext&)> make;
-};
+using Entry = config::StageEntry;
 
 /// All entries of all families; look-ups are by (family, type). Families and types list in alphabetical order.
-class Catalog {
+class Catalog final : public config::StageLookup {
  public:
   /// Throws ConfigError when (family, type) is taken already, naming both origins.
   void add(Entry entry);
-  const Entry* find(std::string_view family, std::string_view type) const;
-  std::vector<std::string> families() const;
-  std::vector<std::string> types(std::string_view family) const;
+  const Entry* find(std::string_view family, std::string_view type) const override;
+  std::vector<std::string> families() const override;
+  std::vector<std::string> types(std::string_view family) const override;
   /// Declares a family that may (yet) have no members.
   void declare(std::string_view family);
   /// Origin recorded for the entries added from here on.
