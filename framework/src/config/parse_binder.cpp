@@ -1,5 +1,7 @@
 #include "parse_binder.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -103,9 +105,8 @@ void ParseBinder::mistyped(const Node& node, std::string_view key, const std::st
 void ParseBinder::check_range(const Node& node, double value, std::string_view key, std::string_view unit,
                               const Range& range) {
   if (admits(range, value)) return;
-  problems_.add(node.at(), quoted_path(key) + " is out of range: " + node.text() +
-                               (unit.empty() ? "" : " " + std::string(unit)) + ", admissible is " +
-                               range_text(range, unit));
+  problems_.add(node.at(), fmt::format("{} is out of range: {}{}{}, admissible is {}", quoted_path(key), node.text(),
+                                       unit.empty() ? "" : " ", unit, range_text(range, unit)));
 }
 
 std::optional<double> ParseBinder::read_real(const Node& node, std::string_view key, std::string_view unit,

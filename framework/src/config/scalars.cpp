@@ -1,5 +1,7 @@
 #include "scalars.hpp"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -86,7 +88,7 @@ std::string printable(std::string_view text) {
 
 std::string quote(std::string_view text) {
   constexpr std::size_t kLongest = 80;
-  return "'" + printable(text.substr(0, kLongest)) + (text.size() > kLongest ? "..'" : "'");
+  return fmt::format("'{}{}'", printable(text.substr(0, kLongest)), text.size() > kLongest ? ".." : "");
 }
 
 }  // namespace aslio::config
