@@ -39,7 +39,7 @@ COLUMNS = (
     ("ATE [m]", lambda s: number(s, "metrics.ate_m")),
     ("rotation [deg]", lambda s: number(s, "metrics.ate_deg", digits=2)),
     ("end-to-end [cm]", lambda s: number(s, "metrics.end_to_end_m", scale=100.0, digits=1)),
-    ("RPE [m]", lambda s: number(s, "metrics.rpe")),
+    ("RPE [m per m]", lambda s: number(s, "metrics.rpe", digits=4)),
     ("update rate min / median / max [Hz]", rates),
     ("CPU [s per s]", cpu_share),
     ("RSS [MB]", lambda s: number(s, "peak_rss_mb", digits=0)),
