@@ -1,0 +1,79 @@
+"""Each house rule finds what it forbids and leaves its neighbour alone."""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "tools/lint/house_rules.py"
+MARK = "TO" + "DO"
+HOME = "/ho" + "me/somebody/data"
+
+
+class HouseRules(unittest.TestCase):
+    def findings(self, name, text):
+        """Rules that a tree with this one file breaks."""
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for path, content in ((name, text), ("tools/lint/house_rules.py", SCRIPT.read_text())):
+                (root / path).parent.mkdir(parents=True, exist_ok=True)
+                (root / path).write_text(content)
+            for command in (["init", "-q"], ["add", "."]):
+                subprocess.run(["git", *command], cwd=root, check=True, capture_output=True)
+            run = subprocess.run([sys.executable, root / "tools/lint/house_rules.py"], capture_output=True, text=True,
+                                 check=False)
+        broken = [line[7:] for line in run.stdout.splitlines() if line.startswith("FAILED")]
+        self.assertEqual(run.returncode, 1 if broken else 0, run.stdout + run.stderr)
+        return broken
+
+    def assert_breaks(self, rule, name, text):
+        self.assertTrue(any(rule in found for found in self.findings(name, text)), f"'{rule}' not found in {text!r}")
+
+    def assert_clean(self, name, text):
+        self.assertEqual(self.findings(name, text), [])
+
+    def test_directions_of_includes(self):
+        self.assert_breaks("includes no plugin", "framework/src/pipeline/a.cpp", '#include "maps/voxel_hash.hpp"\n')
+        self.assert_breaks("lies below", "framework/src/core/a.cpp", '#include "aslio/io/source.hpp"\n')
+        self.assert_breaks("no other family", "plugins/maps/a.cpp", '#include "windows/fixed.hpp"\n')
+        self.assert_breaks("no other family", "plugins/maps/a.cpp", '#include "aslio/io/source.hpp"\n')
+        self.assert_breaks("no other family", "plugins/maps/a.cpp", '#include "../windows/fixed.hpp"\n')
+        self.assert_clean("plugins/maps/a.cpp", '#include "aslio/stages/map.hpp"\n#include "maps/a.hpp"\n')
+        self.assert_clean("plugins/maps/register.cpp", '#include "aslio/plugin/registry.hpp"\n')
+
+    def test_threads(self):
+        self.assert_breaks("only in exec", "plugins/maps/a.cpp", "#pragma omp parallel for\n")
+        self.assert_breaks("only in exec", "framework/src/io/a.cpp", "std::thread t;\n")
+        self.assert_clean("framework/src/exec/a.cpp", "#pragma omp parallel for\n")
+
+    def test_printing(self):
+        self.assert_breaks("printing", "plugins/maps/a.cpp", 'std::cout << "x";\n')
+        self.assert_breaks("printing", "framework/src/io/a.cpp", 'printf("x");\n')
+        self.assert_clean("framework/src/io/a.cpp", 'std::snprintf(b, 3, "x");\n')
+        self.assert_clean("tools/aslio/a.cpp", 'std::printf("x");\n')
+
+    def test_determinism(self):
+        self.assert_breaks("random", "plugins/maps/a.cpp", "std::normal_distribution<double> d;\n")
+        self.assert_breaks("unordered", "plugins/maps/a.cpp", "std::unordered_map<int, int> m;\nfor (auto& e : m) f(e);\n")
+        self.assert_clean("plugins/maps/a.cpp", "std::unordered_map<int, int> m;\nm.find(3);\n")
+
+    def test_text(self):
+        self.assert_breaks("unfinished", "docs/a.md", f"{MARK}: more\n")
+        self.assert_breaks("one machine", "docs/a.md", f"see {HOME}\n")
+        self.assert_breaks("std::views", "plugins/maps/a.cpp", "auto v = x | std::views::all;\n")
+        self.assert_breaks("500 lines", "plugins/maps/a.cpp", "int a;\n" * 501)
+        self.assert_clean("plugins/maps/a.cpp", "int a;\n" * 500)
+
+    def test_suppressions_and_tests(self):
+        self.assert_breaks("suppression", "plugins/maps/a.cpp", "int a;  // NOLINT\n")
+        self.assert_clean("plugins/maps/a.cpp", "int a;  // NOLINT(some-check): the reason\n")
+        self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE("x", "[.]") {}\n')
+
+    def test_schema(self):
+        self.assert_breaks("schema", "configs/pipelines/a.yaml", "window: {}\n")
+        self.assert_clean("configs/pipelines/a.yaml", "# words\nschema: aslio/pipeline/1\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
