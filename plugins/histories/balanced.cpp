@@ -29,6 +29,8 @@ BalancedHistory::BalancedHistory(const Params& params, const BuildContext&) : pa
 HistorySelection BalancedHistory::select(const Window& window) {
   const WindowPlan& plan = window.plan;
   forget(plan.history_begin);
+  // Also of a window that will be refused: its points may enter the map all the same.
+  ends_.push_back({window.sequence, plan.end});
   HistorySelection selection{.points = {}, .max_stamp = max_stamp_, .covariance = params_.covariance};
   if (params_.rho == 0.0 || head_ == points_.size()) return selection;
 
@@ -69,14 +71,13 @@ void BalancedHistory::commit(const Window& window, const Update& update) {
     point.sequence = window.sequence;
     if (point.residual <= static_cast<float>(params_.max_residual)) points_.push_back(point);
   }
-  commits_.push_back({window.sequence, window.plan.end});
   if (!window.fresh.empty()) {
     matched_per_fresh_ = static_cast<double>(points.size()) / static_cast<double>(window.fresh.size());
   }
 }
 
 void BalancedHistory::reset() {
-  // What the earlier updates put into the map stays there, so their stamps are not forgotten.
+  // What earlier updates put into the map stays there, so their ends are not forgotten.
   points_.clear();
   head_ = 0;
 }
@@ -88,8 +89,8 @@ void BalancedHistory::forget(TimeNs until) {
     head_ = 0;
   }
   std::size_t older = 0;
-  while (older < commits_.size() && commits_[older].end <= until) max_stamp_ = commits_[older++].sequence;
-  commits_.erase(commits_.begin(), commits_.begin() + static_cast<std::ptrdiff_t>(older));
+  while (older < ends_.size() && ends_[older].t <= until) max_stamp_ = ends_[older++].sequence;
+  ends_.erase(ends_.begin(), ends_.begin() + static_cast<std::ptrdiff_t>(older));
 }
 
 }  // namespace aslio::plugins

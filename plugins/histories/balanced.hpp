@@ -1,6 +1,6 @@
 #pragma once
 /// `balanced`: old points of the window weigh together `rho` times what the fresh ones weigh, whatever their number,
-/// and match only what was in the map before the window began. (METHODS history analysis; HIS-1)
+/// and match only what was in the map before the window began. (METHODS history analysis; HIS-2)
 
 #include <cstdint>
 #include <optional>
@@ -35,10 +35,10 @@ class BalancedHistory final : public HistoryPolicy {
   void reset() override;
 
  private:
-  /// When the points of an update entered the map.
-  struct Commit {
+  /// When the points of an update entered the map (if they did).
+  struct UpdateEnd {
     std::uint32_t sequence = 0;
-    TimeNs end = 0;
+    TimeNs t = 0;
   };
 
   void forget(TimeNs until);
@@ -48,7 +48,7 @@ class BalancedHistory final : public HistoryPolicy {
   std::vector<HistoryPoint> points_;  ///< in time order; those before head_ are forgotten
   std::size_t head_ = 0;
   std::vector<HistoryPoint> selected_;
-  std::vector<Commit> commits_;     ///< in time order, of windows that may still be inside a later one
+  std::vector<UpdateEnd> ends_;     ///< in time order, of windows that may still be inside a later one
   std::uint32_t max_stamp_ = 0;     ///< newest update older than any window to come
   double matched_per_fresh_ = 1.0;  ///< points offered to matching per raw point, at the last update
 };
