@@ -1,0 +1,70 @@
+#pragma once
+/// One run: a pipeline over a recording, with everything it leaves in its output folder (docs/cli.md).
+
+#include <spdlog/logger.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aslio/experiment/summary.hpp"
+#include "aslio/io/source.hpp"
+#include "aslio/plugin/registry.hpp"
+
+namespace aslio::experiment {
+
+/// A shared object whose stages the catalog holds.
+struct PluginFile {
+  std::filesystem::path path;
+  std::string sha256;
+};
+
+struct RunOptions {
+  std::filesystem::path pipeline;
+  std::vector<std::string> overrides;  ///< `key.path=value`, in order
+  std::filesystem::path input, sensor, output;
+  int threads = 1;
+  io::Section section;
+  std::optional<std::filesystem::path> reference;  ///< TUM; fills Summary::accuracy
+  std::optional<std::filesystem::path> save_map;   ///< .ply or .pcd
+  bool dense = false;                              ///< also trajectory_dense.tum
+  std::uint64_t order_seed = 0;                    ///< BuildContext::order_seed
+  std::vector<PluginFile> plugins;
+  std::vector<std::string> command_line;  ///< for the manifest
+};
+
+/// Where a run stands.
+struct Progress {
+  double data_s = 0;                 ///< data time since the first point
+  std::optional<double> duration_s;  ///< of the whole input, where known
+  double wall_s = 0;
+  std::optional<double> overlap;  ///< of the last update
+  double rate_hz = 0;             ///< of the last update
+};
+
+/// How a run talks to whoever started it. Called from the thread of run().
+class RunMonitor {
+ public:
+  virtual ~RunMonitor() = default;
+  /// Everything has been checked and the first measurement is about to be read.
+  virtual void on_start(const io::SourceNotes& notes) = 0;
+  virtual void on_progress(const Progress& progress) = 0;
+  /// Asked between measurements: true ends the run with status `interrupted`.
+  virtual bool stop_requested() = 0;
+};
+
+struct RunResult {
+  Summary summary;
+  bool bad_data = false;  ///< the status is due to what was read or could not be written
+};
+
+/// Runs and writes all files of `options.output`, each of which appears whole or not at all and replaces that of an
+/// earlier run; summary.json is removed first and written last. What fails in the middle is in the result, and what
+/// there is has been written. Throws before any data is read: ConfigError for a configuration, option or output folder
+/// that cannot be used, DataError for an input or a reference that cannot.
+RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMonitor& monitor,
+              std::shared_ptr<spdlog::logger> log);
+
+}  // namespace aslio::experiment

@@ -1,0 +1,100 @@
+#pragma once
+/// What a run amounts to: the content of summary.json, and the one place where the status of a run is decided.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aslio/core/trajectory.hpp"
+#include "aslio/pipeline/update_record.hpp"
+#include "aslio/stream/measurement_stream.hpp"
+
+namespace aslio::experiment {
+
+/// A run whose updates cover less of its data than this has failed.
+inline constexpr double kMinCoverage = 0.95;
+/// Initialisation may take this long before the time it takes counts as uncovered [ns].
+inline constexpr TimeNs kInitialisationGrace = kSecond;
+/// A step between IMU samples, or between points, beyond this makes a run `degraded` [ns].
+inline constexpr TimeNs kLongGap = kSecond / 2;
+
+/// Minimum, median and maximum of the rate of updates [Hz]; windows that a gap or the end cut short do not count.
+struct RateRange {
+  double min = 0, median = 0, max = 0;
+};
+
+/// Against a reference trajectory (docs/cli.md says how).
+struct Accuracy {
+  double ate_m = 0;             ///< RMSE of the position after SE(3) alignment, weighted by time
+  double ate_deg = 0;           ///< RMSE of the rotation after the same alignment
+  std::optional<double> rpe_m;  ///< RMSE of the position error per metre of reference path; absent on shorter paths
+  double matched = 0;           ///< share of the estimated poses the reference could be interpolated at
+};
+
+/// Everything summary.json holds.
+struct Summary {
+  pipeline::RunStatus status = pipeline::RunStatus::failed;
+  std::string reason;              ///< why the status is not `ok`
+  std::optional<TimeNs> moment;    ///< data time of the divergence or of the failure
+  std::string initialisation;      ///< the verdict
+  std::vector<std::string> notes;  ///< verdicts and warnings of the reader
+  double coverage = 0;             ///< share of the data's duration inside the fresh intervals of updates not refused
+  stream::StreamCounters counters;
+  std::array<std::uint64_t, 6> updates_by_status{};  ///< by UpdateStatus
+  std::uint64_t updates = 0;
+  double longest_imu_gap_s = 0, longest_lidar_gap_s = 0;
+  std::optional<RateRange> rate_hz;
+  double path_length_m = 0;
+  double cpu_s = 0;   ///< process CPU time of the loop: reading, updates and writing
+  double wall_s = 0;  ///< the same in wall-clock time
+  double data_s = 0;  ///< from the first to the last point read
+  double peak_rss_mb = 0;
+  std::optional<double> end_to_end_m;  ///< distance between the first and the last position
+  std::optional<Accuracy> accuracy;
+};
+
+/// summary.json as text.
+std::string to_json(const Summary& summary);
+
+/// Follows a run and gathers what its summary needs.
+class SummaryCollector final : public pipeline::UpdateObserver {
+ public:
+  void on_update(const pipeline::UpdateRecord& record) override;
+  /// Watches for gaps; to be called before the stream takes the measurement.
+  void on_arrival(const Measurement& measurement, const stream::MeasurementStream& stream);
+
+  /// Fills everything that follows from updates and stream. `data_end` is where the data would have ended, for a run
+  /// that stopped early.
+  void fill(Summary& summary, const stream::MeasurementStream& stream, std::optional<TimeNs> data_end) const;
+
+  /// T_W_I at the end of every update with a finite state.
+  const std::vector<StampedPose>& poses() const { return poses_; }
+  /// Some update was refused after the first accepted one.
+  bool was_degraded() const { return was_degraded_; }
+
+ private:
+  std::vector<StampedPose> poses_;
+  std::vector<TimeNs> steps_;  ///< between the ends of consecutive whole windows
+  std::array<std::uint64_t, 6> by_status_{};
+  std::uint64_t updates_ = 0;
+  TimeNs covered_ = 0;
+  std::optional<TimeNs> first_begin_;
+  TimeNs imu_gap_ = 0, point_gap_ = 0;
+  bool accepted_once_ = false, was_degraded_ = false;
+};
+
+/// What may end a run, in order of precedence.
+struct RunOutcome {
+  bool interrupted = false;
+  std::optional<std::string> failure;  ///< reading, a stage or writing failed in the middle
+  std::optional<std::pair<TimeNs, std::string>> divergence;
+  bool truncated = false;
+  pipeline::TrackingStatus tracking = pipeline::TrackingStatus::initialising;
+};
+
+/// Sets status, reason and moment. Pre: everything else of the summary is filled.
+///   interrupted > failed (in the middle) > diverged > truncated > failed (no state, lost, coverage) > degraded > ok
+void judge(Summary& summary, const RunOutcome& outcome, bool was_degraded);
+
+}  // namespace aslio::experiment

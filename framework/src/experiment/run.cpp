@@ -1,0 +1,233 @@
+#include "aslio/experiment/run.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <chrono>
+
+#include "accuracy.hpp"
+#include "aslio/config/load.hpp"
+#include "aslio/core/errors.hpp"
+#include "aslio/io/writers.hpp"
+#include "aslio/pipeline/odometry.hpp"
+#include "manifest.hpp"
+#include "run_outputs.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// User and system time of the process [s].
+double process_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024e-6;
+}
+
+/// Passes on what a progress display shows, at most some ten times a second of real time.
+class ProgressFeed final : public pipeline::UpdateObserver {
+ public:
+  ProgressFeed(RunMonitor& monitor, std::optional<double> duration_s) : monitor_(monitor) {
+    progress_.duration_s = duration_s;
+  }
+  void on_update(const pipeline::UpdateRecord& record) override {
+    if (!first_) first_ = record.plan.fresh_begin;
+    progress_.data_s = to_seconds(record.plan.end - *first_);
+    progress_.overlap = record.overlap.value;
+    progress_.rate_hz = 1.0 / to_seconds(record.plan.end - record.plan.fresh_begin);
+    fresh_ = true;
+  }
+  void after_measurement() {
+    if (!fresh_ || seconds_since(shown_) < 0.1) return;
+    show();
+  }
+  void show() {
+    shown_ = Clock::now();
+    fresh_ = false;
+    progress_.wall_s = seconds_since(start_);
+    monitor_.on_progress(progress_);
+  }
+
+ private:
+  RunMonitor& monitor_;
+  Progress progress_;
+  std::optional<TimeNs> first_;
+  Clock::time_point start_ = Clock::now(), shown_ = start_;
+  bool fresh_ = false;
+};
+
+std::optional<double> duration(const io::MeasurementSource& source) {
+  if (!source.begin_time() || !source.end_time()) return std::nullopt;
+  return to_seconds(*source.end_time() - *source.begin_time());
+}
+
+/// Everything a run works with, checked before any data is read.
+struct Prepared {
+  config::Loaded<pipeline::PipelineConfig> pipeline;
+  config::Loaded<io::SensorConfig> sensor;
+  std::optional<Trajectory> reference;
+};
+
+Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
+  std::vector<config::Override> overrides;
+  for (const std::string& assignment : options.overrides) overrides.push_back({assignment});
+  Prepared prepared;
+  prepared.pipeline =
+      config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog, overrides);
+  prepared.sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
+  if (options.reference) prepared.reference.emplace(io::read_tum(*options.reference));
+  return prepared;
+}
+
+/// Before the run: the digest of a large input takes a while, and must not count as CPU time of the method.
+Manifest identify(const RunOptions& options, const Prepared& prepared) {
+  Manifest manifest;
+  manifest.pipeline_sha256 = io::input_digest(options.pipeline);
+  manifest.sensor_sha256 = io::input_digest(options.sensor);
+  manifest.sensor_resolved = prepared.sensor.resolved;
+  manifest.stages = prepared.pipeline.plugin_types;
+  const auto start = Clock::now();
+  manifest.input_sha256 = io::input_digest(options.input);
+  manifest.input_hash_s = seconds_since(start);
+  return manifest;
+}
+
+/// Pumps the source into the odometry until one of them, or the monitor, ends it.
+class Loop {
+ public:
+  Loop(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor)
+      : source_(source), odometry_(odometry), outputs_(outputs), monitor_(monitor), feed_(monitor, duration(source)) {
+    odometry_.add_observer(outputs_);
+    odometry_.add_observer(collector_);
+    odometry_.add_observer(feed_);
+  }
+
+  /// What ended it. A failure is kept as text: what was written so far is worth keeping.
+  RunOutcome run() {
+    RunOutcome outcome;
+    contain(outcome, [&] { pump(outcome); });
+    if (const auto& divergence = odometry_.divergence()) outcome.divergence = {divergence->t, divergence->reason};
+    outcome.truncated = source_.status() == io::InputStatus::truncated;
+    outcome.tracking = odometry_.tracking();
+    feed_.show();
+    return outcome;
+  }
+
+  /// Gives the files their names, unless one of them could not be written in full.
+  void close_outputs(RunOutcome& outcome) {
+    contain(outcome, [&] {
+      outputs_.raise();
+      outputs_.close();
+    });
+  }
+
+  const SummaryCollector& collector() const { return collector_; }
+  bool bad_data() const { return bad_data_; }
+
+ private:
+  template <class F>
+  void contain(RunOutcome& outcome, F&& work) {
+    try {
+      work();
+    } catch (const DataError& error) {
+      if (!outcome.failure) outcome.failure = error.what();
+      bad_data_ = true;
+    } catch (const std::exception& error) {
+      if (!outcome.failure) outcome.failure = fmt::format("a stage failed: {}", error.what());
+    }
+  }
+
+  void pump(RunOutcome& outcome) {
+    while (!(outcome.interrupted = monitor_.stop_requested())) {
+      auto measurement = source_.next();
+      if (!measurement) break;
+      collector_.on_arrival(*measurement, odometry_.stream());
+      odometry_.push(std::move(*measurement));
+      outputs_.raise();
+      feed_.after_measurement();
+      if (odometry_.divergence()) return;
+    }
+    if (outcome.interrupted) return;
+    odometry_.finish();
+    outputs_.raise();
+  }
+
+  io::MeasurementSource& source_;
+  pipeline::Odometry& odometry_;
+  RunOutputs& outputs_;
+  RunMonitor& monitor_;
+  SummaryCollector collector_;
+  ProgressFeed feed_;
+  bool bad_data_ = false;
+};
+
+/// Whether the data, not the method, is to blame.
+bool blames_data(const Summary& summary, bool loop_saw_bad_data) {
+  switch (summary.status) {
+    case pipeline::RunStatus::truncated:
+      return true;
+    case pipeline::RunStatus::failed:
+      return loop_saw_bad_data || summary.updates == 0;
+    default:
+      return false;
+  }
+}
+
+void gather(Summary& summary, const pipeline::Odometry& odometry, const io::MeasurementSource& source) {
+  if (odometry.initialisation()) summary.initialisation = odometry.initialisation()->verdict;
+  summary.notes = source.notes().verdicts;
+  for (const std::string& warning : source.notes().warnings) summary.notes.push_back("warning: " + warning);
+}
+
+}  // namespace
+
+RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMonitor& monitor,
+              std::shared_ptr<spdlog::logger> log) {
+  const Prepared prepared = prepare(options, catalog);
+  const SensorModel& sensor = prepared.sensor.value.model;
+  exec::Executor executor(options.threads);
+  pipeline::Odometry odometry(prepared.pipeline.value, {executor, sensor, std::move(log), options.order_seed});
+  const auto outputs = open_outputs(options, sensor);
+  const auto source = io::open_source(options.input, prepared.sensor.value, options.section);
+
+  const Manifest manifest = identify(options, prepared);
+  remove_stale(options);
+
+  monitor.on_start(source->notes());
+  RunResult result;
+  Summary& summary = result.summary;
+  const auto start = Clock::now();
+  const double cpu_start = process_cpu_seconds();
+  Loop loop(*source, odometry, *outputs, monitor);
+  RunOutcome outcome = loop.run();
+  const bool whole = !outcome.interrupted && !outcome.failure && !outcome.divergence;
+  loop.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time());
+  gather(summary, odometry, *source);
+  loop.close_outputs(outcome);
+  summary.cpu_s = process_cpu_seconds() - cpu_start;
+  summary.wall_s = seconds_since(start);
+  summary.peak_rss_mb = peak_rss_mb();
+  if (prepared.reference) summary.accuracy = measure_accuracy(loop.collector().poses(), *prepared.reference);
+  judge(summary, outcome, loop.collector().was_degraded());
+  result.bad_data = blames_data(summary, loop.bad_data());
+
+  write_file(options.output / "resolved.yaml", prepared.pipeline.resolved);
+  write_file(options.output / "manifest.json", to_json(manifest, options));
+  write_file(options.output / "summary.json", to_json(summary));
+  return result;
+}
+
+}  // namespace aslio::experiment

@@ -1,0 +1,140 @@
+#include "run_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+#include "aslio/core/errors.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+bool finite(const NavState& state) { return state.R.allFinite() && state.p.allFinite(); }
+
+/// Poses in strictly increasing time, whatever an estimator emits.
+struct Appender {
+  io::AtomicFile& file;
+  TimeNs& last;
+  void add(const NavState& state) {
+    if (state.t <= last || !finite(state)) return;
+    file.write(io::tum_line({state.t, state.pose()}));
+    last = state.t;
+  }
+};
+
+}  // namespace
+
+std::string updates_header() {
+  std::string line = "t_ns,window_begin_ns,status,n_fresh,n_history,sod";
+  for (std::size_t i = 0; i < kMaxLayers; ++i) fmt::format_to(std::back_inserter(line), ",layer_{}", i);
+  line += ",seg_time,shift_time_s,echo,iterations,n_matches";
+  for (int i = 1; i <= 6; ++i) fmt::format_to(std::back_inserter(line), ",eig_{}", i);
+  return line + ",digest\n";
+}
+
+std::string updates_line(const pipeline::UpdateRecord& record) {
+  const WindowPlan& plan = record.plan;
+  std::string line;
+  const auto out = std::back_inserter(line);
+  fmt::format_to(out, "{},{},{},{},{},", plan.end, plan.history_begin, pipeline::name(record.status), record.n_fresh,
+                 record.n_history);
+  if (record.overlap.value) fmt::format_to(out, "{}", *record.overlap.value);
+  for (const std::uint32_t points : record.overlap.layers) fmt::format_to(out, ",{}", points);
+  fmt::format_to(out, ",{},{},{},{},{}", plan.seg_time, plan.shift_time, plan.echo, record.iterations,
+                 record.n_matches);
+  for (const double eigenvalue : record.spectrum) fmt::format_to(out, ",{}", eigenvalue);
+  fmt::format_to(out, ",{:016x}\n", record.digest);
+  return line;
+}
+
+std::string timings_header() {
+  return "t_ns,window_s,predict_s,deskew_s,sample_s,associate_s,solve_s,overlap_s,insert_s\n";
+}
+
+std::string timings_line(const pipeline::UpdateRecord& record) {
+  const StageTimes& s = record.times;
+  return fmt::format("{},{},{},{},{},{},{},{},{}\n", record.plan.end, s.window, s.predict, s.deskew, s.sample,
+                     s.associate, s.solve, s.overlap, s.insert);
+}
+
+RunOutputs::RunOutputs(const RunOptions& options, const SensorModel& sensor)
+    : T_imu_lidar_(sensor.T_imu_lidar),
+      trajectory_(options.output / "trajectory.tum"),
+      trajectory_lidar_(options.output / "trajectory_lidar.tum"),
+      updates_(options.output / "updates.csv"),
+      timings_(options.output / "timings.csv") {
+  updates_.write(updates_header());
+  timings_.write(timings_header());
+  if (options.dense) dense_ = std::make_unique<io::AtomicFile>(options.output / "trajectory_dense.tum");
+  if (options.save_map) map_ = io::open_map_writer(*options.save_map);
+}
+
+void RunOutputs::on_update(const pipeline::UpdateRecord& record) {
+  if (failure_) return;
+  try {
+    write(record);
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
+void RunOutputs::write(const pipeline::UpdateRecord& record) {
+  updates_.write(updates_line(record));
+  timings_.write(timings_line(record));
+  if (finite(record.state)) {
+    const Pose T_W_I = record.state.pose();
+    trajectory_.write(io::tum_line({record.plan.end, T_W_I}));
+    trajectory_lidar_.write(io::tum_line({record.plan.end, T_W_I * T_imu_lidar_}));
+  }
+  if (dense_) {
+    Appender dense{*dense_, last_dense_};
+    for (const NavState& state : record.update->states) dense.add(state);
+    dense.add(record.state);
+  }
+  if (map_ && record.update->insert) {
+    for (const WorldPoint& p : record.update->points(Tap::map)) map_->add(p.p_W.cast<float>(), p.intensity);
+  }
+}
+
+void RunOutputs::raise() const {
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void RunOutputs::close() {
+  for (io::AtomicFile* file : {&trajectory_, &trajectory_lidar_, &updates_, &timings_, dense_.get()}) {
+    if (file != nullptr) file->close();
+  }
+  if (map_) map_->close();
+}
+
+std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor) {
+  const std::string place = fmt::format("--output {}", options.output.string());
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(options.output, ignored)) {
+    throw ConfigError(fmt::format("{}: {}; name a folder that exists or can be created", place,
+                                  error ? error.message() : "it is not a folder"));
+  }
+  try {
+    return std::make_unique<RunOutputs>(options, sensor);
+  } catch (const DataError& failure) {
+    throw ConfigError(fmt::format("{}: {}", place, failure.what()));
+  }
+}
+
+void remove_stale(const RunOptions& options) {
+  std::error_code ignored;
+  std::filesystem::remove(options.output / "summary.json", ignored);
+  if (!options.dense) std::filesystem::remove(options.output / "trajectory_dense.tum", ignored);
+}
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  io::AtomicFile file(path);
+  file.write(text);
+  file.close();
+}
+
+}  // namespace aslio::experiment

@@ -1,0 +1,56 @@
+#pragma once
+/// The files of a run that grow with it.
+
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "aslio/core/sensor.hpp"
+#include "aslio/experiment/run.hpp"
+#include "aslio/io/writers.hpp"
+
+namespace aslio::experiment {
+
+/// Header of updates.csv and the line of one update (both with a line feed). Numbers are the shortest decimals that
+/// read back to the same bits.
+std::string updates_header();
+std::string updates_line(const pipeline::UpdateRecord& record);
+std::string timings_header();
+std::string timings_line(const pipeline::UpdateRecord& record);
+
+/// Writes while the run goes on. A failure to write is kept until raise() (observers must not throw) and stops
+/// writing.
+class RunOutputs final : public pipeline::UpdateObserver {
+ public:
+  /// Opens every file; throws DataError when one cannot be created.
+  RunOutputs(const RunOptions& options, const SensorModel& sensor);
+
+  void on_update(const pipeline::UpdateRecord& record) override;
+  /// Throws the DataError that a write met.
+  void raise() const;
+  /// Gives the files their names. Throws DataError.
+  void close();
+
+ private:
+  void write(const pipeline::UpdateRecord& record);
+
+  Pose T_imu_lidar_;
+  io::AtomicFile trajectory_, trajectory_lidar_, updates_, timings_;
+  std::unique_ptr<io::AtomicFile> dense_;
+  std::unique_ptr<io::MapWriter> map_;
+  TimeNs last_dense_ = kTimeMin;
+  std::exception_ptr failure_;
+};
+
+/// Creates the folder and every file that grows. Throws ConfigError when that cannot be: nothing has been read yet, and
+/// another --output is the remedy.
+std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor);
+
+/// Removes what an earlier run left and this one will not replace, and its summary: that stands for a finished run.
+void remove_stale(const RunOptions& options);
+
+/// A whole small file.
+void write_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace aslio::experiment

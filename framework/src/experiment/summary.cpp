@@ -1,0 +1,136 @@
+#include "aslio/experiment/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace aslio::experiment {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using pipeline::RunStatus;
+
+Json counts(const Summary& s) {
+  const stream::StreamCounters& c = s.counters;
+  Json out = {{"packets", c.packets},
+              {"empty_packets", c.empty_packets},
+              {"duplicate_packets", c.duplicate_packets},
+              {"packet_time_jumps", c.packet_time_jumps},
+              {"points", c.points},
+              {"points_invalid", c.points_invalid},
+              {"points_stray", c.points_stray},
+              {"points_late", c.points_late},
+              {"points_reordered", c.points_reordered},
+              {"imu", c.imu},
+              {"imu_invalid", c.imu_invalid},
+              {"imu_duplicate", c.imu_duplicate},
+              {"imu_late", c.imu_late},
+              {"imu_reordered", c.imu_reordered},
+              {"imu_time_jumps", c.imu_time_jumps},
+              {"imu_gaps", c.imu_gaps}};
+  for (std::size_t i = 0; i < s.updates_by_status.size(); ++i) {
+    const auto name = pipeline::name(static_cast<UpdateStatus>(i));
+    out[fmt::format("updates_{}", name)] = s.updates_by_status[i];
+  }
+  return out;
+}
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json metrics(const Summary& s) {
+  Json out = {{"ate_m", nullptr}, {"ate_deg", nullptr}, {"rpe", nullptr}};
+  if (s.accuracy) {
+    out["ate_m"] = s.accuracy->ate_m;
+    out["ate_deg"] = s.accuracy->ate_deg;
+    out["rpe"] = or_null(s.accuracy->rpe_m);
+  }
+  out["end_to_end_m"] = or_null(s.end_to_end_m);
+  out["matched"] = s.accuracy ? Json(s.accuracy->matched) : Json(nullptr);
+  return out;
+}
+
+/// What was not taken as it came and is more than the peculiarity of a sensor: duplicates, disorder and points that
+/// the decoder drops lose nothing.
+std::string anomalies(const Summary& s) {
+  std::string text;
+  const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  const stream::StreamCounters& c = s.counters;
+  for (const auto& [count, what] :
+       {std::pair{c.packet_time_jumps, "LiDAR messages with an implausible stamp"},
+        std::pair{c.points_stray, "points with a stray time"}, std::pair{c.points_late, "points that came too late"},
+        std::pair{c.imu_invalid, "IMU samples that are not finite"},
+        std::pair{c.imu_late, "IMU samples that came too late"},
+        std::pair{c.imu_time_jumps, "IMU samples with an implausible stamp"}}) {
+    if (count > 0) add(fmt::format("{} {} dropped", count, what));
+  }
+  if (s.longest_imu_gap_s > to_seconds(kLongGap)) add(fmt::format("{:.2f} s without IMU data", s.longest_imu_gap_s));
+  if (s.longest_lidar_gap_s > to_seconds(kLongGap)) add(fmt::format("{:.2f} s without points", s.longest_lidar_gap_s));
+  return text;
+}
+
+std::string no_state(const Summary& s) {
+  if (s.counters.points == 0) return "no point with a usable coordinate and time has arrived";
+  if (s.counters.imu == 0) return "no IMU sample has arrived";
+  return "no state was found: the IMU data does not reach over the time that initialisation needs";
+}
+
+void set(Summary& s, RunStatus status, std::string reason) {
+  s.status = status;
+  s.reason = std::move(reason);
+}
+
+}  // namespace
+
+std::string to_json(const Summary& s) {
+  Json out = {{"status", pipeline::name(s.status)}, {"reason", s.reason}};
+  if (s.moment) out["moment_ns"] = *s.moment;
+  out["coverage"] = s.coverage;
+  out["counts"] = counts(s);
+  out["updates"] = s.updates;
+  out["rate_hz"] = nullptr;
+  if (s.rate_hz) out["rate_hz"] = {{"min", s.rate_hz->min}, {"median", s.rate_hz->median}, {"max", s.rate_hz->max}};
+  out["path_length_m"] = s.path_length_m;
+  out["cpu_s"] = s.cpu_s;
+  out["wall_s"] = s.wall_s;
+  out["data_s"] = s.data_s;
+  out["peak_rss_mb"] = s.peak_rss_mb;
+  out["longest_imu_gap_s"] = s.longest_imu_gap_s;
+  out["longest_lidar_gap_s"] = s.longest_lidar_gap_s;
+  out["initialisation"] = s.initialisation;
+  out["notes"] = s.notes;
+  out["metrics"] = metrics(s);
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void judge(Summary& s, const RunOutcome& outcome, bool was_degraded) {
+  const std::string odd = anomalies(s);
+  if (outcome.interrupted) {
+    set(s, RunStatus::interrupted, fmt::format("stopped from outside after {:.2f} s of data", s.data_s));
+  } else if (outcome.failure) {
+    set(s, RunStatus::failed, *outcome.failure);
+  } else if (outcome.divergence) {
+    s.moment = outcome.divergence->first;
+    set(s, RunStatus::diverged, outcome.divergence->second);
+  } else if (outcome.truncated) {
+    set(s, RunStatus::truncated, "the input ends before its last record does; all that is whole was used");
+  } else if (s.updates == 0) {
+    set(s, RunStatus::failed, no_state(s));
+  } else if (outcome.tracking == pipeline::TrackingStatus::lost) {
+    set(s, RunStatus::failed, "tracking was lost at the end");
+  } else if (s.coverage < kMinCoverage) {
+    set(s, RunStatus::failed,
+        fmt::format("updates cover {:.1f} % of the data, less than {:.0f} %", 100 * s.coverage, 100 * kMinCoverage));
+  } else if (was_degraded) {
+    set(s, RunStatus::degraded, "updates were refused for a while" + (odd.empty() ? "" : "; " + odd));
+  } else if (!odd.empty()) {
+    set(s, RunStatus::degraded, odd);
+  } else {
+    set(s, RunStatus::ok, "");
+  }
+}
+
+}  // namespace aslio::experiment

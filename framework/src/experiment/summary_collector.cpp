@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <cmath>
+
+#include "aslio/experiment/summary.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+std::optional<RateRange> rates(std::vector<TimeNs> steps) {
+  if (steps.empty()) return std::nullopt;
+  std::sort(steps.begin(), steps.end());
+  const std::size_t n = steps.size();
+  const double median = 0.5 * (to_seconds(steps[(n - 1) / 2]) + to_seconds(steps[n / 2]));
+  return RateRange{1.0 / to_seconds(steps.back()), 1.0 / median, 1.0 / to_seconds(steps.front())};
+}
+
+/// Time of the first point that comes after `last`.
+TimeNs first_after(const LidarPacket& packet, TimeNs last) {
+  TimeNs first = kTimeMax;
+  for (const TimedPoint& p : packet.points) {
+    if (p.t > last) first = std::min(first, p.t);
+  }
+  return first;
+}
+
+/// Takes a step into account as far as the stream believes it.
+void widen(TimeNs& gap, TimeNs last, TimeNs next) {
+  if (last == kTimeMin || next <= last || !stream::sane_stamp(next)) return;
+  if (const TimeNs step = next - last; step <= stream::kMaxStepAhead) gap = std::max(gap, step);
+}
+
+}  // namespace
+
+void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
+  ++updates_;
+  ++by_status_[static_cast<std::size_t>(record.status)];
+  const WindowPlan& plan = record.plan;
+  if (!first_begin_) {
+    first_begin_ = plan.fresh_begin;
+  } else if (!plan.partial) {
+    steps_.push_back(plan.end - plan.fresh_begin);
+  }
+  if (record.state.R.allFinite() && record.state.p.allFinite()) poses_.push_back({plan.end, record.state.pose()});
+  if (record.update->accepted || record.status == UpdateStatus::initialising) {
+    covered_ += plan.end - plan.fresh_begin;
+    accepted_once_ = accepted_once_ || record.update->accepted;
+  } else if (accepted_once_) {
+    was_degraded_ = true;
+  }
+}
+
+void SummaryCollector::on_arrival(const Measurement& measurement, const stream::MeasurementStream& stream) {
+  if (const auto* imu = std::get_if<ImuSample>(&measurement)) return widen(imu_gap_, stream.last_imu(), imu->t);
+  const TimeNs last = stream.last_point();
+  widen(point_gap_, last, first_after(std::get<LidarPacket>(measurement), last));
+}
+
+void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& stream,
+                            std::optional<TimeNs> data_end) const {
+  summary.counters = stream.counters();
+  summary.updates = updates_;
+  summary.updates_by_status = by_status_;
+  summary.longest_imu_gap_s = to_seconds(imu_gap_);
+  summary.longest_lidar_gap_s = to_seconds(point_gap_);
+  summary.rate_hz = rates(steps_);
+  for (std::size_t i = 1; i < poses_.size(); ++i) {
+    summary.path_length_m += (poses_[i].T.p - poses_[i - 1].T.p).norm();
+  }
+  if (!poses_.empty()) summary.end_to_end_m = (poses_.back().T.p - poses_.front().T.p).norm();
+  const auto first = stream.first_point();
+  if (!first) return;
+  summary.data_s = to_seconds(stream.last_point() - *first);
+  if (!first_begin_) return;
+  TimeNs covered = covered_;
+  if (*first_begin_ - *first <= kInitialisationGrace) covered += std::max<TimeNs>(*first_begin_ - *first, 0);
+  const TimeNs extent = std::max(data_end.value_or(kTimeMin), stream.last_point()) - *first;
+  summary.coverage = extent > 0 ? std::clamp(to_seconds(covered) / to_seconds(extent), 0.0, 1.0) : 0.0;
+}
+
+}  // namespace aslio::experiment

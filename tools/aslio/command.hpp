@@ -1,0 +1,32 @@
+#pragma once
+/// The sub-commands of `aslio`, one file each. Exit codes are here and nowhere else.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace aslio::cli {
+
+enum ExitCode : int {
+  kSuccess = 0,     ///< ok or degraded
+  kRunFailed = 1,   ///< failed or diverged
+  kWrongUsage = 2,  ///< arguments or configuration
+  kBadData = 3,     ///< bad or truncated data, or output that could not be written
+  kInterrupted = 130
+};
+
+/// What parsing sets up: `app` is parsed by CLI11, and `action` does the work when it was the one named.
+struct Command {
+  CLI::App* app;
+  std::function<int()> action;
+};
+
+Command add_run(CLI::App& root, std::vector<std::string> command_line);
+Command add_list(CLI::App& root);
+Command add_describe(CLI::App& root);
+Command add_check(CLI::App& root);
+Command add_diff(CLI::App& root);
+Command add_inspect(CLI::App& root);
+Command add_evaluate(CLI::App& root);
+Command add_version(CLI::App& root);
+
+}  // namespace aslio::cli

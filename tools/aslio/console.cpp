@@ -1,0 +1,61 @@
+#include "console.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/base_sink.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <mutex>
+
+namespace aslio::cli {
+
+namespace {
+
+void put(std::FILE* file, std::string_view text) { std::fwrite(text.data(), 1, text.size(), file); }
+
+class TellingSink final : public spdlog::sinks::base_sink<std::mutex> {
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    const std::string_view level(spdlog::level::to_string_view(message.level).data());
+    tell(fmt::format("{}: {}", level, std::string_view(message.payload.data(), message.payload.size())));
+  }
+  void flush_() override {}
+};
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7f) c = '?';
+  }
+  return out;
+}
+
+void print(std::string_view text) {
+  put(stdout, printable(text));
+  std::fflush(stdout);
+}
+
+void tell(std::string_view line) {
+  clear_bar();
+  put(stderr, printable(line) + "\n");
+}
+
+void complain(std::string_view message) { tell(fmt::format("error: {}", message)); }
+
+void show_bar(std::string_view text) { put(stderr, "\r\033[K" + printable(text)); }
+
+void clear_bar() {
+  if (stderr_is_terminal()) put(stderr, "\r\033[K");
+}
+
+bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) == 1; }
+
+std::shared_ptr<spdlog::logger> make_logger(bool quiet) {
+  auto logger = std::make_shared<spdlog::logger>("aslio", std::make_shared<TellingSink>());
+  logger->set_level(quiet ? spdlog::level::warn : spdlog::level::info);
+  return logger;
+}
+
+}  // namespace aslio::cli

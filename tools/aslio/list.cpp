@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+
+#include "aslio/core/errors.hpp"
+#include "command.hpp"
+#include "console.hpp"
+#include "stages.hpp"
+
+namespace aslio::cli {
+
+namespace {
+
+struct Arguments {
+  std::string family;
+  std::vector<std::string> plugins;
+};
+
+std::string family_text(const plugin::Catalog& catalog, const std::string& family) {
+  std::string text = family + "\n";
+  for (const std::string& type : catalog.types(family)) {
+    const auto* entry = catalog.find(family, type);
+    fmt::format_to(std::back_inserter(text), "  {:<18} {}", type, entry->doc);
+    if (entry->origin != "built-in") fmt::format_to(std::back_inserter(text), " [{}]", entry->origin);
+    text += '\n';
+  }
+  return text;
+}
+
+int list(const Arguments& a) {
+  const Stages stages = load_stages(a.plugins);
+  std::vector<std::string> families = stages.catalog.families();
+  if (!a.family.empty()) {
+    if (std::find(families.begin(), families.end(), a.family) == families.end()) {
+      throw ConfigError(fmt::format("unknown family '{}'; there are: {}", a.family, fmt::join(families, ", ")));
+    }
+    families = {a.family};
+  }
+  for (const std::string& family : families) print(family_text(stages.catalog, family));
+  return kSuccess;
+}
+
+}  // namespace
+
+Command add_list(CLI::App& root) {
+  CLI::App* app = root.add_subcommand("list", "Lists the stages there are.");
+  auto arguments = std::make_shared<Arguments>();
+  app->add_option("FAMILY", arguments->family, "only this family");
+  add_plugin_option(*app, arguments->plugins);
+  app->footer("Example:\n  aslio list windows");
+  return {app, [=] { return list(*arguments); }};
+}
+
+}  // namespace aslio::cli

@@ -1,0 +1,143 @@
+#include "aslio/experiment/run.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <memory>
+
+#include "command.hpp"
+#include "console.hpp"
+#include "interrupt.hpp"
+#include "progress.hpp"
+#include "stages.hpp"
+
+namespace aslio::cli {
+
+namespace {
+
+struct Arguments {
+  std::string pipeline, input, sensor, output, reference, save_map;
+  std::vector<std::string> overrides, plugins;
+  int threads = 1;
+  double start = 0, duration = 0;
+  std::uint64_t seed = 0;
+  bool dense = false, quiet = false;
+};
+
+int exit_code(const experiment::RunResult& result) {
+  using pipeline::RunStatus;
+  switch (result.summary.status) {
+    case RunStatus::ok:
+    case RunStatus::degraded:
+      return kSuccess;
+    case RunStatus::truncated:
+      return kBadData;
+    case RunStatus::interrupted:
+      return kInterrupted;
+    case RunStatus::diverged:
+      return kRunFailed;
+    case RunStatus::failed:
+      return result.bad_data ? kBadData : kRunFailed;
+  }
+  return kRunFailed;
+}
+
+std::string report(const experiment::Summary& s, const std::string& output) {
+  std::string text = fmt::format("status       {}", pipeline::name(s.status));
+  const auto out = std::back_inserter(text);
+  if (!s.reason.empty()) fmt::format_to(out, ": {}", s.reason);
+  if (s.moment) fmt::format_to(out, " (at {:.9f} s)", to_seconds(*s.moment));
+  fmt::format_to(out, "\nupdates      {} over {:.2f} s of data, coverage {:.1f} %\n", s.updates, s.data_s,
+                 100 * s.coverage);
+  if (s.rate_hz) {
+    fmt::format_to(out, "rate         {:.1f} / {:.1f} / {:.1f} Hz (min / median / max)\n", s.rate_hz->min,
+                   s.rate_hz->median, s.rate_hz->max);
+  }
+  fmt::format_to(out, "path         {:.2f} m", s.path_length_m);
+  if (s.end_to_end_m) fmt::format_to(out, ", end to end {:.3f} m", *s.end_to_end_m);
+  if (s.accuracy) {
+    fmt::format_to(out, "\naccuracy     ATE {:.4f} m, {:.3f} deg; {:.1f} % of the poses matched", s.accuracy->ate_m,
+                   s.accuracy->ate_deg, 100 * s.accuracy->matched);
+    if (s.accuracy->rpe_m) fmt::format_to(out, "; RPE {:.4f} m per metre", *s.accuracy->rpe_m);
+  }
+  fmt::format_to(out, "\ncost         {:.2f} s CPU ({:.3f} s per s of data), peak memory {:.0f} MB\n", s.cpu_s,
+                 s.data_s > 0 ? s.cpu_s / s.data_s : 0.0, s.peak_rss_mb);
+  fmt::format_to(out, "output       {}\n", output);
+  return text;
+}
+
+experiment::RunOptions options_of(const Arguments& a, const Stages& stages, const CLI::App& app,
+                                  const std::vector<std::string>& command_line) {
+  experiment::RunOptions options;
+  options.pipeline = a.pipeline;
+  options.overrides = a.overrides;
+  options.input = a.input;
+  options.sensor = a.sensor;
+  options.output = a.output;
+  options.threads = a.threads;
+  options.section.start = a.start;
+  if (app.count("--duration") > 0) options.section.duration = a.duration;
+  if (!a.reference.empty()) options.reference = a.reference;
+  if (!a.save_map.empty()) options.save_map = a.save_map;
+  options.dense = a.dense;
+  options.order_seed = a.seed;
+  options.plugins = stages.files;
+  options.command_line = command_line;
+  return options;
+}
+
+int run_pipeline(const Arguments& a, const CLI::App& app, const std::vector<std::string>& command_line) {
+  catch_interrupts();
+  const Stages stages = load_stages(a.plugins);
+  ProgressDisplay display(a.quiet, stderr_is_terminal());
+  const auto result =
+      experiment::run(options_of(a, stages, app, command_line), stages.catalog, display, make_logger(a.quiet));
+  if (!a.quiet && stderr_is_terminal()) clear_bar();
+  const int code = exit_code(result);
+  if (code != kSuccess) {
+    complain(fmt::format("{}: {}: {}", a.input, pipeline::name(result.summary.status), result.summary.reason));
+  }
+  if (!a.quiet) print(report(result.summary, a.output));
+  return code;
+}
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--input", a.input, "ROS1 bag, or KITTI raw drive folder")->required()->check(CLI::ExistingPath);
+  app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->required()->check(CLI::ExistingFile);
+  app.add_option("--output", a.output, "folder for the results; files of an earlier run are replaced")->required();
+  app.add_option("--set", a.overrides, "key.path=value (YAML); changes the pipeline, may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--threads", a.threads, "threads; the results are the same for any number")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--start", a.start, "seconds of data to skip")->check(CLI::NonNegativeNumber);
+  app.add_option("--duration", a.duration, "seconds of data to use")->check(CLI::PositiveNumber);
+  app.add_option("--reference", a.reference, "reference trajectory (TUM) to measure the error against")
+      ->check(CLI::ExistingFile);
+  app.add_option("--save-map", a.save_map, "writes the points of all updates to this .ply or .pcd file");
+  app.add_flag("--dense", a.dense, "also writes trajectory_dense.tum, with every state the estimator emits");
+  app.add_option("--seed", a.seed, "phase of the point strides: replicates differ in it")->capture_default_str();
+  add_plugin_option(app, a.plugins);
+  app.add_flag("--quiet", a.quiet, "no progress and no report; warnings and errors remain");
+}
+
+}  // namespace
+
+Command add_run(CLI::App& root, std::vector<std::string> command_line) {
+  CLI::App* app = root.add_subcommand("run", "Runs a pipeline over a recording.");
+  auto arguments = std::make_shared<Arguments>();
+  add_options(*app, *arguments);
+  app->footer(
+      "Writes trajectory.tum, trajectory_lidar.tum, updates.csv, timings.csv, summary.json, resolved.yaml and "
+      "manifest.json.\n\n"
+      "Example:\n"
+      "  aslio run configs/pipelines/as_lio.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
+      "--output out/corridor --set window.seg_step=0.04 --save-map out/corridor/map.ply");
+  return {app, [=] { return run_pipeline(*arguments, *app, command_line); }};
+}
+
+}  // namespace aslio::cli
