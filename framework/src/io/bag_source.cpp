@@ -6,6 +6,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/rosbag/messages.hpp"
+#include "imu_rate.hpp"
 #include "lidar_decoder.hpp"
 
 namespace aslio::io {
@@ -147,6 +148,7 @@ class BagSource final : public MeasurementSource {
     units_ = decode::judge_imu_units(samples, sensor.acc_unit, sensor.gyro_unit, where);
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
+    note_imu_rate(samples, notes_);
     begin_ = samples.front().t;
   }
 

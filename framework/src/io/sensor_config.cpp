@@ -64,10 +64,12 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   PoseBlock extrinsic(model.T_imu_lidar);
   b.group("T_imu_lidar", extrinsic, "pose of the LiDAR in the IMU frame: p_I = T_imu_lidar p_L");
   if (extrinsic.translation.size() == 3 && extrinsic.rotation.size() == 9) {
-    // Untouched numbers keep the pose bit for bit; digits cut by hand are made a rotation again.
+    // Digits cut by hand are made a rotation again; full precision is kept bit for bit, so that a dump reads back
+    // equal.
     const Mat3 R = extrinsic.matrix();
+    const bool exact = (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-12;
     model.T_imu_lidar.p = Vec3(extrinsic.translation[0], extrinsic.translation[1], extrinsic.translation[2]);
-    if (R != model.T_imu_lidar.R) model.T_imu_lidar.R = orthonormalised(R);
+    model.T_imu_lidar.R = exact ? R : orthonormalised(R);
   }
   std::int64_t lines = model.scan_lines;
   b.integer("scan_lines", lines, "1", {.min = 1, .max = 256}, "scan lines; Livox points of a higher line are dropped");

@@ -2,17 +2,20 @@
 /// Writers. Each writes to a temporary name and renames on close(), so that no half-written file ever stands under a
 /// final name; a failed write (full disk) throws DataError that names the path.
 
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <functional>
+#include <memory>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "aslio/core/types.hpp"
 
 namespace aslio::io {
 
-/// Text file that appears under its name at close(). Destroyed without close(): the temporary file is removed.
+/// File that appears under its name at close(). Destroyed without close(): the temporary file is removed. A device
+/// (/dev/stdout) is written to directly.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path, bool binary = false);
@@ -50,7 +53,7 @@ class MapWriter {
   virtual void add(const Eigen::Vector3f& p_W, float intensity) = 0;
   virtual void close() = 0;
 };
-/// By extension; throws ConfigError for another one, or for .pcd in a build without PCL.
+/// By extension; throws ConfigError for another one.
 std::unique_ptr<MapWriter> open_map_writer(const std::filesystem::path& path);
 
 }  // namespace aslio::io

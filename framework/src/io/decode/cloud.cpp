@@ -92,14 +92,16 @@ void place(std::string_view name, const CloudField& field, CloudTable& table) {
     table.time = field;
     table.time_name = name;
   }
-  table.all_names +=
-      fmt::format("{}{} {}", table.all_names.empty() ? "" : ", ", name.substr(0, 32), kNames[field.datatype]);
+  table.all_names += fmt::format("{}{} {}", table.all_names.empty() ? "" : ", ", std::string_view(name).substr(0, 32),
+                                 kNames[field.datatype]);
 }
 
 std::string parse_fields(Wire& wire, std::uint32_t count, CloudTable& table, std::uint64_t& extent) {
   if (count > kMostFields) return fmt::format("it claims {} fields (at most {})", count, kMostFields);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::string_view name = wire.text();
+    std::string name(wire.text());
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
     const std::uint32_t offset = wire.get<std::uint32_t>();
     const std::uint8_t datatype = wire.get<std::uint8_t>();
     const std::uint32_t repeat = wire.get<std::uint32_t>();

@@ -2,12 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace aslio::io::rosbag {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
 std::string_view text(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// Names from a file reach terminals and reports: control characters in them are replaced.
+std::string name_text(Bytes bytes) {
+  std::string name(text(bytes));
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return name;
+}
 
 /// Calls `take(name, value)` for each `name=value` of a header; returns what is wrong.
 template <class Take>
@@ -58,8 +68,8 @@ bool take_field(std::string_view name, Bytes value, Record& record, std::optiona
   if (name == "chunk_pos") return number(value, record.chunk_position);
   if (name == "start_time") return time(value, record.begin);
   if (name == "end_time") return time(value, record.end);
-  if (name == "compression") record.compression = text(value);
-  if (name == "topic") record.topic = text(value);
+  if (name == "compression") record.compression = name_text(value);
+  if (name == "topic") record.topic = name_text(value);
   if (name == "encryptor") record.encryptor = text(value);
   return true;
 }
@@ -104,8 +114,8 @@ std::string parse_connection(ByteView& view, const Record& record, const Limits&
   const Bytes data{view.at(record.data_begin, static_cast<std::size_t>(record.data_bytes)),
                    static_cast<std::size_t>(record.data_bytes)};
   return each_field(data, [&](std::string_view name, Bytes value) {
-    if (name == "type") connection.type = text(value);
-    if (name == "md5sum") connection.md5 = text(value);
+    if (name == "type") connection.type = name_text(value);
+    if (name == "md5sum") connection.md5 = name_text(value);
     if (name == "message_definition") connection.definition = text(value);
     return true;
   });

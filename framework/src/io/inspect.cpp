@@ -1,0 +1,225 @@
+#include "aslio/io/inspect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/io/rosbag/messages.hpp"
+#include "decode/cloud.hpp"
+#include "imu_rate.hpp"
+#include "kitti_drive.hpp"
+#include "lidar_decoder.hpp"
+#include "topic_statistics.hpp"
+
+namespace aslio::io {
+namespace {
+
+constexpr TimeNs kJudgedSpan = 5 * kSecond;
+constexpr std::size_t kJudgedSamples = 20'000;
+
+/// One topic of a bag while it is read.
+class TopicProbe {
+ public:
+  TopicProbe(const rosbag::Connection& connection, const SensorConfig& sensor, std::string where)
+      : sensor_(sensor), where_(std::move(where)) {
+    report_.topic = connection.topic;
+    report_.type = connection.type;
+    report_.md5 = connection.md5;
+    report_.role = is_lidar(connection) ? TopicRole::lidar : is_imu(connection) ? TopicRole::imu : TopicRole::other;
+    if (report_.role == TopicRole::lidar) decoder_ = make_lidar_decoder(connection, sensor, where_);
+    is_cloud_ = connection.md5 == rosbag::kPointCloud2.md5;
+  }
+
+  void add(const rosbag::BagMessage& message) {
+    const bool stamped = report_.role != TopicRole::other;
+    statistics_.add(stamped ? decode::header_stamp(message.bytes).value_or(message.time) : message.time);
+    if (report_.role == TopicRole::imu) add_imu(message.bytes);
+    if (report_.role == TopicRole::lidar) add_lidar(message.bytes);
+  }
+
+  TopicReport finish() {
+    statistics_.finish(report_);
+    if (report_.role == TopicRole::imu && report_.problem.empty()) judge_imu();
+    if (report_.role == TopicRole::lidar && report_.messages > report_.malformed) {
+      report_.points_per_message =
+          static_cast<double>(points_) / static_cast<double>(report_.messages - report_.malformed);
+    }
+    if (report_.role == TopicRole::lidar && !judged_ && report_.problem.empty()) decoder_->assume(notes_);
+    if (report_.messages == 0 && report_.role != TopicRole::other) report_.problem = "there is no message";
+    report_.verdicts.insert(report_.verdicts.end(), notes_.verdicts.begin(), notes_.verdicts.end());
+    report_.verdicts.insert(report_.verdicts.end(), notes_.warnings.begin(), notes_.warnings.end());
+    return std::move(report_);
+  }
+
+ private:
+  void add_imu(decode::Bytes bytes) {
+    ImuSample sample;
+    if (!decode::decode_imu(bytes, sample).empty()) {
+      ++report_.malformed;
+    } else if (samples_.size() < kJudgedSamples && (samples_.empty() || sample.t - samples_.front().t <= kJudgedSpan)) {
+      samples_.push_back(sample);
+    }
+  }
+
+  void judge_imu() {
+    try {
+      const decode::ImuUnits units = decode::judge_imu_units(samples_, sensor_.acc_unit, sensor_.gyro_unit, where_);
+      notes_.verdicts = units.verdicts;
+      notes_.warnings = units.warnings;
+      note_imu_rate(samples_, notes_);
+    } catch (const DataError& error) {
+      report_.problem = error.what();
+    }
+  }
+
+  void add_lidar(decode::Bytes bytes) {
+    if (is_cloud_ && report_.fields.empty()) {
+      decode::CloudView view;
+      bool systematic = false;
+      parse_cloud(bytes, view, systematic);
+      report_.fields = view.table.all_names;
+    }
+    try {
+      if (!judged_ && report_.problem.empty()) judged_ = decoder_->judge(bytes, notes_);
+    } catch (const DataError& error) {
+      report_.problem = error.what();
+    }
+    LidarPacket& packet = packet_;
+    if (!decoder_->decode(bytes, packet).empty()) {
+      ++report_.malformed;
+    } else {
+      points_ += packet.points.size();
+    }
+  }
+
+  const SensorConfig& sensor_;
+  std::string where_;
+  TopicReport report_;
+  TopicStatistics statistics_;
+  SourceNotes notes_;
+  std::unique_ptr<LidarDecoder> decoder_;
+  std::vector<ImuSample> samples_;
+  LidarPacket packet_;
+  std::uint64_t points_ = 0;
+  bool is_cloud_ = false, judged_ = false;
+};
+
+void inspect_bag(const std::filesystem::path& path, const SensorConfig& sensor, InputReport& report) {
+  report.kind = "ROS1 bag";
+  report.bytes = std::filesystem::file_size(path);
+  rosbag::BagReader reader(path);
+  std::map<std::string, std::unique_ptr<TopicProbe>> probes;  // several connections may share a topic
+  std::map<std::uint32_t, TopicProbe*> by_id;
+  for (const rosbag::Connection& c : reader.connections()) {
+    auto& probe = probes[c.topic + '\0' + c.md5];
+    if (!probe) probe = std::make_unique<TopicProbe>(c, sensor, fmt::format("{}: {}", path.string(), c.topic));
+    by_id[c.id] = probe.get();
+  }
+  rosbag::BagMessage message;
+  while (reader.next(message)) by_id.at(message.connection)->add(message);
+  for (auto& [key, probe] : probes) report.topics.push_back(probe->finish());
+  report.status = reader.status();
+  report.begin = reader.begin_time().value_or(0);
+  report.end = reader.end_time().value_or(0);
+  report.warnings = reader.warnings();
+}
+
+void inspect_drive(const std::filesystem::path& folder, const SensorConfig& sensor, InputReport& report) {
+  report.kind = "KITTI raw drive";
+  const KittiDrive drive = read_kitti_drive(folder);
+  TopicReport lidar, imu;
+  lidar.topic = "velodyne_points";
+  lidar.type = "float32 x y z reflectance";
+  lidar.role = TopicRole::lidar;
+  imu.topic = "oxts";
+  imu.type = "OXTS packet";
+  imu.role = TopicRole::imu;
+  TopicStatistics scans, samples;
+  std::uint64_t points = 0;
+  for (const KittiScan& scan : drive.scans) {
+    scans.add(scan.begin);
+    LidarPacket packet;
+    if (read_kitti_scan(scan, packet) > 0) report.status = InputStatus::truncated;
+    points += packet.points.size();
+  }
+  for (const ImuSample& s : drive.imu) samples.add(s.t);
+  scans.finish(lidar);
+  samples.finish(imu);
+  if (!drive.scans.empty()) {
+    lidar.points_per_message = static_cast<double>(points) / static_cast<double>(drive.scans.size());
+  }
+  // Opening judges the rest: units, times, extrinsic.
+  try {
+    const auto source = open_source(folder, sensor);
+    report.begin = source->begin_time().value_or(0);
+    report.end = source->end_time().value_or(0);
+    report.warnings = source->notes().warnings;
+    for (const std::string& verdict : source->notes().verdicts) {
+      (verdict.starts_with("imu") ? imu : lidar).verdicts.push_back(verdict);
+    }
+  } catch (const DataError& error) {
+    imu.problem = error.what();
+  }
+  report.topics = {std::move(imu), std::move(lidar)};
+}
+
+std::string cell(double value, int decimals) { return value == 0 ? "-" : fmt::format("{:.{}f}", value, decimals); }
+
+}  // namespace
+
+InputReport inspect(const std::filesystem::path& path, const SensorConfig& sensor) {
+  InputReport report;
+  report.path = path;
+  std::error_code ignored;
+  const auto drive = std::filesystem::is_directory(path, ignored) ? find_kitti_drive(path) : std::nullopt;
+  if (drive) {
+    inspect_drive(*drive, sensor, report);
+  } else if (!std::filesystem::is_directory(path, ignored)) {
+    inspect_bag(path, sensor, report);
+  }
+  try {
+    open_source(path, sensor);
+    report.usable = true;
+  } catch (const DataError& error) {
+    if (report.kind.empty()) throw;  // neither a bag nor a drive
+    report.reason = error.what();
+  }
+  return report;
+}
+
+std::string render(const InputReport& report) {
+  std::string text =
+      fmt::format("{}: {}, {:.3f} s{}{}\n", report.path.string(), report.kind, report.duration(),
+                  report.bytes > 0 ? fmt::format(", {:.1f} MB", 1e-6 * static_cast<double>(report.bytes)) : "",
+                  report.status == InputStatus::truncated ? ", TRUNCATED" : "");
+  std::size_t wide = 5, wide_type = 4;
+  for (const TopicReport& t : report.topics) {
+    wide = std::max(wide, t.topic.size());
+    wide_type = std::max(wide_type, t.type.size());
+  }
+  text += fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>8}  {:>11}  {:>11}  {:>8}  {:>8}\n", "topic", wide, "type",
+                      wide_type, "messages", "rate Hz", "period ms", "max gap ms", "backward", "points");
+  for (const TopicReport& t : report.topics) {
+    text += fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>8}  {:>11}  {:>11}  {:>8}  {:>8}\n", t.topic, wide, t.type,
+                        wide_type, t.messages, cell(t.rate, 2), cell(1e3 * t.median_period, 3),
+                        cell(1e3 * t.largest_gap, 3), t.backward, cell(t.points_per_message, 0));
+  }
+  for (const TopicReport& t : report.topics) {
+    if (t.role == TopicRole::other) continue;
+    text += fmt::format("{}: {}\n", t.topic, t.problem.empty() ? "can be used" : "CANNOT BE USED");
+    if (!t.problem.empty()) text += fmt::format("  {}\n", t.problem);
+    if (!t.md5.empty()) text += fmt::format("  checksum {}\n", t.md5);
+    if (!t.fields.empty()) text += fmt::format("  fields: {}\n", t.fields);
+    for (const std::string& verdict : t.verdicts) text += fmt::format("  {}\n", verdict);
+    if (t.repeated > 0) text += fmt::format("  {} repeated stamps\n", t.repeated);
+    if (t.malformed > 0) text += fmt::format("  {} malformed messages\n", t.malformed);
+  }
+  for (const std::string& warning : report.warnings) text += fmt::format("warning: {}\n", warning);
+  text += report.usable ? "usable: yes\n" : fmt::format("usable: no: {}\n", report.reason);
+  return text;
+}
+
+}  // namespace aslio::io

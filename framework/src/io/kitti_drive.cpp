@@ -1,0 +1,227 @@
+#include "kitti_drive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <numbers>
+
+#include "aslio/core/errors.hpp"
+#include "decode/decode.hpp"
+
+namespace aslio::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kLargestScan = 256U << 20U;
+constexpr std::size_t kMostFrames = 1'000'000;
+
+std::ifstream open(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw DataError(fmt::format("{}: cannot open; the folder is no complete KITTI raw drive", path.string()));
+  return file;
+}
+
+[[noreturn]] void bad_line(const fs::path& path, std::size_t line, std::string_view text, std::string_view expected) {
+  throw DataError(fmt::format("{}:{}: '{}' is not {}", path.string(), line, text.substr(0, 60), expected));
+}
+
+bool digits(std::string_view text, std::size_t at, std::size_t count, int& to) {
+  if (at + count > text.size()) return false;
+  const auto [end, error] = std::from_chars(text.data() + at, text.data() + at + count, to);
+  return error == std::errc{} && end == text.data() + at + count;
+}
+
+/// `2011-09-26 13:04:32.335337762` without a time zone.
+std::optional<TimeNs> parse_time(std::string_view text) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, fraction = 0;
+  const bool shape = text.size() == 29 && text[4] == '-' && text[7] == '-' && text[10] == ' ' && text[13] == ':' &&
+                     text[16] == ':' && text[19] == '.';
+  if (!shape || !digits(text, 0, 4, year) || !digits(text, 5, 2, month) || !digits(text, 8, 2, day) ||
+      !digits(text, 11, 2, hour) || !digits(text, 14, 2, minute) || !digits(text, 17, 2, second) ||
+      !digits(text, 20, 9, fraction)) {
+    return std::nullopt;
+  }
+  const std::chrono::year_month_day date{std::chrono::year{year}, std::chrono::month{static_cast<unsigned>(month)},
+                                         std::chrono::day{static_cast<unsigned>(day)}};
+  if (!date.ok()) return std::nullopt;
+  const TimeNs days = std::chrono::sys_days{date}.time_since_epoch().count();
+  return ((days * 24 + hour) * 60 + minute) * 60 * kSecond + second * kSecond + fraction;
+}
+
+std::vector<TimeNs> read_times(const fs::path& path) {
+  std::ifstream file = open(path);
+  std::vector<TimeNs> times;
+  std::string line;
+  while (std::getline(file, line) && times.size() < kMostFrames) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty()) continue;
+    const auto t = parse_time(line);
+    if (!t) bad_line(path, times.size() + 1, line, "a time like 2011-09-26 13:04:32.335337762");
+    times.push_back(*t);
+  }
+  return times;
+}
+
+/// All numbers of a text; empty when one of them is none.
+std::vector<double> numbers(std::string_view text) {
+  std::vector<double> values;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  while (true) {
+    while (at != end && (*at == ' ' || *at == '\n' || *at == '\r' || *at == '\t')) ++at;
+    if (at == end) return values;
+    double value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc{}) return {};
+    values.push_back(value);
+    at = next;
+  }
+}
+
+std::string numbered(std::size_t index, const char* extension) { return fmt::format("{:010d}{}", index, extension); }
+
+void read_oxts(const fs::path& folder, KittiDrive& drive) {
+  constexpr std::size_t kAcc = 11, kGyro = 17, kColumns = 20;
+  const std::vector<TimeNs> times = read_times(folder / "timestamps.txt");
+  std::string line;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const fs::path path = folder / "data" / numbered(i, ".txt");
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) {
+      ++drive.missing_imu;
+      continue;
+    }
+    std::ifstream file = open(path);
+    std::getline(file, line);
+    const std::vector<double> v = numbers(line);
+    if (v.size() < kColumns) bad_line(path, 1, line, "a line of at least 20 numbers (OXTS packet)");
+    drive.imu.push_back(
+        {times[i], Vec3(v[kGyro], v[kGyro + 1], v[kGyro + 2]), Vec3(v[kAcc], v[kAcc + 1], v[kAcc + 2])});
+  }
+}
+
+void read_scan_list(const fs::path& folder, KittiDrive& drive) {
+  const std::vector<TimeNs> begin = read_times(folder / "timestamps_start.txt");
+  const std::vector<TimeNs> end = read_times(folder / "timestamps_end.txt");
+  if (begin.size() != end.size()) {
+    throw DataError(fmt::format("{}: timestamps_start.txt has {} times, timestamps_end.txt {}", folder.string(),
+                                begin.size(), end.size()));
+  }
+  for (std::size_t i = 0; i < begin.size(); ++i) {
+    if (end[i] <= begin[i]) {
+      throw DataError(
+          fmt::format("{}:{}: the scan ends before it begins", (folder / "timestamps_end.txt").string(), i + 1));
+    }
+    const fs::path path = folder / "data" / numbered(i, ".bin");
+    std::error_code ignored;
+    if (fs::exists(path, ignored)) {
+      drive.scans.push_back({begin[i], end[i], path});
+    } else {
+      ++drive.missing_scans;
+    }
+  }
+}
+
+std::optional<Pose> read_calibration(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return std::nullopt;
+  std::ifstream file = open(path);
+  Pose T_velo_imu;
+  bool rotation = false, translation = false;
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line) && number < 100; ++number) {
+    if (!line.starts_with("R:") && !line.starts_with("T:")) continue;
+    const bool is_rotation = line[0] == 'R';
+    const std::vector<double> v = numbers(std::string_view(line).substr(2));
+    if (v.size() != (is_rotation ? 9 : 3)) bad_line(path, number, line, is_rotation ? "9 numbers" : "3 numbers");
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      (is_rotation ? T_velo_imu.R(k / 3, k % 3) : T_velo_imu.p[k]) = v[i];
+    }
+    (is_rotation ? rotation : translation) = true;
+  }
+  if (!rotation || !translation) throw DataError(fmt::format("{}: lacks the line 'R:' or 'T:'", path.string()));
+  T_velo_imu.R = orthonormalised(T_velo_imu.R);
+  return T_velo_imu.inverse();
+}
+
+bool is_drive(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path / "velodyne_points", ignored) && fs::is_directory(path / "oxts", ignored);
+}
+
+void collect_drives(const fs::path& path, int depth, std::vector<fs::path>& found) {
+  if (is_drive(path)) {
+    found.push_back(path);
+    return;
+  }
+  if (depth == 0) return;
+  std::error_code ignored;
+  std::vector<fs::path> children;
+  for (fs::directory_iterator it(path, ignored), end; it != end; it.increment(ignored)) {
+    if (it->is_directory(ignored)) children.push_back(it->path());
+  }
+  std::sort(children.begin(), children.end());
+  for (const fs::path& child : children) collect_drives(child, depth - 1, found);
+}
+
+}  // namespace
+
+std::optional<fs::path> find_kitti_drive(const fs::path& path) {
+  std::vector<fs::path> found;
+  collect_drives(path, 2, found);
+  if (found.empty()) return std::nullopt;
+  if (found.size() == 1) return found.front();
+  std::string list;
+  for (std::size_t i = 0; i < std::min<std::size_t>(found.size(), 20); ++i) list += "\n  " + found[i].string();
+  throw DataError(fmt::format("{}: contains {} drives; name one of them:{}", path.string(), found.size(), list));
+}
+
+KittiDrive read_kitti_drive(const fs::path& folder) {
+  KittiDrive drive;
+  drive.folder = folder;
+  read_scan_list(folder / "velodyne_points", drive);
+  read_oxts(folder / "oxts", drive);
+  drive.T_imu_velo = read_calibration(fs::absolute(folder).lexically_normal().parent_path() / "calib_imu_to_velo.txt");
+  if (!drive.T_imu_velo) drive.T_imu_velo = read_calibration(folder / "calib_imu_to_velo.txt");
+  return drive;
+}
+
+std::size_t read_kitti_scan(const KittiScan& scan, LidarPacket& packet) {
+  constexpr std::size_t kPointBytes = 16;  // float32 x, y, z, reflectance
+  std::ifstream file = open(scan.file);
+  const std::uintmax_t bytes = fs::file_size(scan.file);
+  if (bytes > kLargestScan) throw DataError(fmt::format("{}: {} bytes are no scan", scan.file.string(), bytes));
+  std::vector<char> raw(static_cast<std::size_t>(bytes));
+  if (!file.read(raw.data(), static_cast<std::streamsize>(raw.size()))) {
+    throw DataError(fmt::format("{}: cannot read", scan.file.string()));
+  }
+  const std::size_t count = raw.size() / kPointBytes;
+  packet.stamp = scan.begin;
+  packet.points.clear();
+  packet.points.reserve(count);
+  const double turn = static_cast<double>(scan.end - scan.begin) / (2 * std::numbers::pi);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::array<float, 4> v{};
+    std::memcpy(v.data(), raw.data() + i * kPointBytes, kPointBytes);
+    if (!decode::is_return(v[0], v[1], v[2])) continue;
+    TimedPoint& point = packet.points.emplace_back();
+    point.x = v[0];
+    point.y = v[1];
+    point.z = v[2];
+    point.intensity = v[3];
+    const double angle = std::numbers::pi - std::atan2(double{v[1]}, double{v[0]});
+    point.t = scan.begin + std::llround(turn * angle);
+    point.sweep_id = packet.sweep_id;
+  }
+  packet.dropped_invalid = count - packet.points.size();
+  return raw.size() % kPointBytes;
+}
+
+}  // namespace aslio::io
