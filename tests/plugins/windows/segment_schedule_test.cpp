@@ -55,9 +55,10 @@ TEST_CASE("rounding does not add a segment") {
   for (int tenths = 0; tenths <= 9; ++tenths) {
     CAPTURE(tenths);
     const SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
-    CHECK(schedule.wanted(0.1 * tenths) == std::max(2, 11 - tenths));
-    CHECK(schedule.wanted(0.1 * tenths + 1e-6) == std::max(2, 11 - tenths));
-    CHECK(schedule.wanted(0.1 * tenths - 1e-6) == 12 - tenths);
+    const double overlap = tenths / 10.0;  // (1 - 0.7) / 0.1 is 3.0000000000000004
+    CHECK(schedule.wanted(overlap) == std::max(2, 11 - tenths));
+    CHECK(schedule.wanted(overlap + 1e-6) == std::max(2, 11 - tenths));
+    CHECK(schedule.wanted(overlap - 1e-6) == 12 - tenths);
   }
 }
 
@@ -87,6 +88,9 @@ TEST_CASE("a further drop interrupts the echo at once and re-arms it") {
   schedule.observe(0.35);
   CHECK(schedule.n() == 8);
   CHECK(schedule.echo() == 8);
+  schedule.observe(0.25);  // by the least step, too
+  CHECK(schedule.n() == 9);
+  CHECK(schedule.echo() == 9);
 }
 
 TEST_CASE("a drop to the same n neither restarts nor shortens the echo, and a lasting one re-arms it") {
