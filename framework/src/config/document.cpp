@@ -25,7 +25,7 @@ namespace {
 class TreeBuilder final : public YAML::EventHandler {
  public:
   /// With `fixed`, every node is at `at` (an override has no lines); otherwise at its mark in the source of `at`.
-  TreeBuilder(Location at, bool fixed) : base_(std::move(at)), fixed_(fixed) {}
+  TreeBuilder(Location at, bool fixed) : base_(std::move(at)), fixed_(fixed), root_(Node::null(base_)) {}
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}

@@ -19,7 +19,10 @@ bool plain(const std::string& text) {
   return !text.starts_with("---") && text != "...";
 }
 
-bool looks_typed(const std::string& text) { return text == "true" || text == "false" || parse_real(text).has_value(); }
+/// A reader might take it for a number or a truth value.
+bool looks_typed(const std::string& text) {
+  return text == "true" || text == "false" || text.find_first_of("0123456789+-.") == 0;
+}
 
 std::string double_quoted(const std::string& text) {
   std::string result = "\"";
