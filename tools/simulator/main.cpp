@@ -15,12 +15,19 @@ int main(int argc, char** argv) {
   app.add_option("--output", output, "folder for the recording; created if need be")->required();
   app.add_option("--seed", options.seed, "seed of all noise")->capture_default_str();
   app.add_option("--scale", options.duration_scale, "stretches the 20 s walk; turn rates are divided by it")
+      ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();
-  app.add_option("--imu-rate", options.imu_rate, "IMU samples per second")->capture_default_str();
+  app.add_option("--imu-rate", options.imu_rate, "IMU samples per second")
+      ->check(CLI::Range(20.0, 10000.0))
+      ->capture_default_str();
   app.add_flag("--people", options.people, "two people walk about");
   app.add_flag("--no-noise", no_noise, "ideal LiDAR and IMU");
   app.add_flag("--quiet", quiet, "no progress");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
   options.lidar_noise = options.imu_noise = !no_noise;
   try {
     const aslio::simulator::AnalyticWorld world(options);
