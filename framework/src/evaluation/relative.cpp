@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aslio/evaluation/evaluation.hpp"
+
+namespace aslio::evaluation {
+
+namespace {
+
+constexpr double kDegree = 180.0 / std::numbers::pi;
+
+/// A pair is taken when its length is within this share of the one asked for, as evo does.
+constexpr double kTolerance = 0.1;
+
+/// Errors over pairs (i, j) where j is the sample whose `place` is nearest to place_i + delta. eq. EVAL-11
+RelativeError relative_error(std::span<const PosePair> pairs, std::span<const double> weights,
+                             std::span<const double> place, double delta) {
+  RelativeError result;
+  result.delta = delta;
+  double total = 0.0, translation = 0.0, rotation = 0.0;
+  std::size_t j = 0;
+  for (std::size_t i = 0; i + 1 < pairs.size(); ++i) {
+    const double target = place[i] + delta;
+    j = std::max(j, i + 1);
+    while (j + 1 < pairs.size() && std::abs(place[j + 1] - target) < std::abs(place[j] - target)) ++j;
+    if (std::abs(place[j] - target) > kTolerance * delta) continue;
+    const Pose truth = pairs[i].reference.inverse() * pairs[j].reference;
+    const Pose error = truth.inverse() * (pairs[i].estimate.inverse() * pairs[j].estimate);
+    total += weights[i];
+    translation += weights[i] * error.p.squaredNorm();
+    rotation += weights[i] * log_so3(error.R).squaredNorm();
+    ++result.pairs;
+  }
+  if (total > 0.0) {
+    result.translation_rmse = std::sqrt(translation / total);
+    result.rotation_rmse = kDegree * std::sqrt(rotation / total);
+  }
+  return result;
+}
+
+}  // namespace
+
+RelativeError relative_error_over_distance(std::span<const PosePair> pairs, std::span<const double> weights,
+                                           double delta) {
+  std::vector<double> path(pairs.size(), 0.0);
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    path[i] = path[i - 1] + (pairs[i].reference.p - pairs[i - 1].reference.p).norm();
+  }
+  RelativeError result = relative_error(pairs, weights, path, delta);
+  result.unit = DeltaUnit::metres;
+  return result;
+}
+
+RelativeError relative_error_over_time(std::span<const PosePair> pairs, std::span<const double> weights, double delta) {
+  std::vector<double> time(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) time[i] = to_seconds(pairs[i].t - pairs.front().t);
+  RelativeError result = relative_error(pairs, weights, time, delta);
+  result.unit = DeltaUnit::seconds;
+  return result;
+}
+
+}  // namespace aslio::evaluation
