@@ -175,7 +175,8 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& reference, con
   warn_of_shares(result);
 
   Sample sample{std::move(association.pairs), {}};
-  sample.weights = evo ? std::vector<double>(sample.pairs.size(), 1.0) : time_weights(sample.pairs, estimate_gap);
+  const bool weighted = options.weight_by_time && !evo;
+  sample.weights = weighted ? time_weights(sample.pairs, estimate_gap) : std::vector<double>(sample.pairs.size(), 1.0);
   result.T_reference_estimate = align(options.alignment, sample.pairs, sample.weights);
   const Mat3& R = result.T_reference_estimate.R;
   result.ate = absolute_errors(sample, result.T_reference_estimate);

@@ -22,6 +22,7 @@ RelativeError relative_error(std::span<const PosePair> pairs, std::span<const do
   std::size_t j = 0;
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i) {
     const double target = place[i] + delta;
+    if (target > place.back() + 1e-6 * delta) break;  // would end before the trajectory has gone that far
     j = std::max(j, i + 1);
     while (j + 1 < pairs.size() && std::abs(place[j + 1] - target) < std::abs(place[j] - target)) ++j;
     if (std::abs(place[j] - target) > kTolerance * delta) continue;

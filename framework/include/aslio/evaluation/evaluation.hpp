@@ -17,6 +17,7 @@ enum class Rule { interpolated, evo };
 struct Options {
   Rule rule = Rule::interpolated;
   Alignment alignment = Alignment::se3;
+  bool weight_by_time = true;        ///< of the rule interpolated; false: every pair counts the same
   double max_reference_gap = 0.1;    ///< [s] no interpolation of the reference across more
   double max_estimate_gap = 1.0;     ///< [s] longer gaps are not covered, and a pose never weighs for more
   double evo_max_difference = 0.01;  ///< [s]
