@@ -80,30 +80,20 @@ inline void Nearest::tighten(const float* squared, std::size_t n) {
   for (std::size_t i = kLanes; i < n; i += kLanes) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) least[lane] = std::min(least[lane], squared[i + lane]);
   }
-  constexpr std::array<std::array<std::uint8_t, 2>, 19> network{{{0, 1},
-                                                                 {2, 3},
-                                                                 {4, 5},
-                                                                 {6, 7},
-                                                                 {0, 2},
-                                                                 {1, 3},
-                                                                 {4, 6},
-                                                                 {5, 7},
-                                                                 {1, 2},
-                                                                 {5, 6},
-                                                                 {0, 4},
-                                                                 {3, 7},
-                                                                 {1, 5},
-                                                                 {2, 6},
-                                                                 {1, 4},
-                                                                 {3, 6},
-                                                                 {2, 4},
-                                                                 {3, 5},
-                                                                 {3, 4}}};
-  for (const auto& [a, b] : network) {
-    const float low = std::min(least[a], least[b]);
-    least[b] = std::max(least[a], least[b]);
-    least[a] = low;
-  }
+  auto [a, b, c, d, e, f, g, h] = least;  // sorting network of Batcher
+  const auto order = [](float& low, float& high) {
+    const float smaller = std::min(low, high);
+    high = std::max(low, high);
+    low = smaller;
+  };
+  order(a, b), order(c, d), order(e, f), order(g, h);
+  order(a, c), order(b, d), order(e, g), order(f, h);
+  order(b, c), order(f, g), order(a, e), order(d, h);
+  order(b, f), order(c, g);
+  order(b, e), order(d, g);
+  order(c, e), order(d, f);
+  order(d, e);
+  least = {a, b, c, d, e, f, g, h};
   bound_ = std::min(bound_, least[static_cast<std::size_t>(k_ - 1)]);
 }
 
@@ -124,11 +114,13 @@ inline void Nearest::scan(const Chunk& chunk, std::size_t n, float qx, float qy,
       for (std::size_t i = 0; i < size; ++i) squared[i] = stamp[i] <= max_stamp ? squared[i] : HUGE_VALF;
     }
     if (count_ == 0 && k_ <= static_cast<int>(kLanes)) tighten(squared.data(), size);
-    std::array<std::uint8_t, kTile> hits;
+    // Not bytes and not the member: a byte may alias anything, and the bound would be loaded anew for every point.
+    std::array<std::uint32_t, kTile> hits;
     std::size_t found = 0;
+    const float bound = bound_;
     for (std::size_t i = 0; i < size; ++i) {  // no branch: which points are near is not predictable
-      hits[found] = static_cast<std::uint8_t>(i);
-      found += squared[i] <= bound_ ? 1 : 0;
+      hits[found] = static_cast<std::uint32_t>(i);
+      found += squared[i] <= bound ? 1 : 0;
     }
     for (std::size_t h = 0; h < found; ++h) {
       const std::size_t i = hits[h];

@@ -1,6 +1,7 @@
 #include "maps/voxel_hash.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -17,11 +18,11 @@ constexpr int kMaxReach = 32;  // voxels; below kCellMargin, so that neighbours 
 /// Rounding of a float coordinate inside a voxel, as a share of its edge, with much to spare.
 constexpr double kSlack = 1e-5;
 
-/// Distance [m] along one axis from a query at `relative` to the voxels `d` cells away; 0 for its own.
-double axis_distance(double relative, int d, double edge) {
-  if (d == 0) return 0.0;
-  const double distance = d > 0 ? d * edge - relative : relative - (d + 1) * edge;
-  return std::max(0.0, distance - kSlack * edge);
+/// Squared distance [m^2] along one axis from a query at `relative` to the voxels `d` cells away; 0 for its own.
+float axis_squared(double relative, int d, double edge) {
+  if (d == 0) return 0.0F;
+  const double distance = std::max(0.0, (d > 0 ? d * edge - relative : relative - (d + 1) * edge) - kSlack * edge);
+  return static_cast<float>(distance * distance);
 }
 
 }  // namespace
@@ -42,75 +43,93 @@ VoxelHash::VoxelHash(const Params& params, const BuildContext& context)
       inverse_voxel_(1.0 / params.voxel),
       pool_(static_cast<std::size_t>(params.max_points)) {}
 
+/// One query on its way through the voxels.
+struct VoxelHash::Search {
+  Search(int k, float max_squared, std::uint32_t newest) : nearest(k, max_squared), max_stamp(newest) {}
+
+  Nearest nearest;
+  std::uint32_t max_stamp;
+  VoxelCell centre;
+  Vec3 relative;  ///< query minus corner of its voxel
+  /// Squared distances to the voxels reached so far, by axis and d + kMaxReach.
+  std::array<std::array<float, 2 * kMaxReach + 1>, 3> squared;
+
+  void reach(int d, double edge) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double r = relative[static_cast<Eigen::Index>(axis)];
+      squared[axis][static_cast<std::size_t>(kMaxReach + d)] = axis_squared(r, d, edge);
+      squared[axis][static_cast<std::size_t>(kMaxReach - d)] = axis_squared(r, -d, edge);
+    }
+  }
+  float distance(int dx, int dy, int dz) const {
+    const auto at = [](int d) { return static_cast<std::size_t>(kMaxReach + d); };
+    return squared[0][at(dx)] + squared[1][at(dy)] + squared[2][at(dz)];
+  }
+};
+
 void VoxelHash::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
   const int k = std::clamp(query.k, 1, Neighbours::kMax);
   out.resize(queries.size(), k);
   const auto max_squared = static_cast<float>(query.max_distance * query.max_distance);
   exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
-      Nearest nearest(k, max_squared);
-      search(queries[i], nearest, query.max_stamp);
-      nearest.write(out, i);
+      Search one(k, max_squared, query.max_stamp);
+      search(queries[i], one);
+      one.nearest.write(out, i);
     }
   });
 }
 
-void VoxelHash::search(const Vec3& query, Nearest& nearest, std::uint32_t max_stamp) const {
+void VoxelHash::search(const Vec3& query, Search& s) const {
   const auto centre = cell_of(query, inverse_voxel_);
   if (!centre) return;
-  const Vec3 relative = query - corner(*centre);
-  scan(*centre, relative, 0, 0, 0, nearest, max_stamp);
+  s.centre = *centre;
+  s.relative = query - corner(*centre);
+  s.reach(0, params_.voxel);
+  s.reach(1, params_.voxel);
+  scan(s, 0, 0, 0);
 
   // The seven voxels on the near sides first: once they have given the bound, the other nineteen are usually out.
   const double half = 0.5 * params_.voxel;
-  const int sx = relative.x() < half ? -1 : 1, sy = relative.y() < half ? -1 : 1, sz = relative.z() < half ? -1 : 1;
-  scan(*centre, relative, sx, 0, 0, nearest, max_stamp);
-  scan(*centre, relative, 0, sy, 0, nearest, max_stamp);
-  scan(*centre, relative, 0, 0, sz, nearest, max_stamp);
-  scan(*centre, relative, sx, sy, 0, nearest, max_stamp);
-  scan(*centre, relative, sx, 0, sz, nearest, max_stamp);
-  scan(*centre, relative, 0, sy, sz, nearest, max_stamp);
-  scan(*centre, relative, sx, sy, sz, nearest, max_stamp);
-  double far_side = half * (1.0 - 2.0 * kSlack);
-  if (far_side * far_side > static_cast<double>(nearest.bound())) return;
+  const int sx = s.relative.x() < half ? -1 : 1, sy = s.relative.y() < half ? -1 : 1,
+            sz = s.relative.z() < half ? -1 : 1;
+  scan(s, sx, 0, 0);
+  scan(s, 0, sy, 0);
+  scan(s, 0, 0, sz);
+  scan(s, sx, sy, 0);
+  scan(s, sx, 0, sz);
+  scan(s, 0, sy, sz);
+  scan(s, sx, sy, sz);
+  double beyond = half * (1.0 - 4.0 * kSlack);
+  if (beyond * beyond > static_cast<double>(s.nearest.bound())) return;
   for (int dx = -1; dx <= 1; ++dx) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dz = -1; dz <= 1; ++dz) {
-        if (dx == -sx || dy == -sy || dz == -sz) scan(*centre, relative, dx, dy, dz, nearest, max_stamp);
+        if (dx == -sx || dy == -sy || dz == -sz) scan(s, dx, dy, dz);
       }
     }
   }
   for (int shell = 2; shell <= kMaxReach; ++shell) {
-    far_side = (shell - 1) * params_.voxel * (1.0 - 2.0 * kSlack);
-    if (far_side * far_side > static_cast<double>(nearest.bound())) return;
-    search_shell(*centre, relative, shell, nearest, max_stamp);
-  }
-}
-
-void VoxelHash::search_shell(const VoxelCell& centre, const Vec3& relative, int shell, Nearest& nearest,
-                             std::uint32_t max_stamp) const {
-  for (int dx = -shell; dx <= shell; ++dx) {
-    for (int dy = -shell; dy <= shell; ++dy) {
-      const bool side = std::abs(dx) == shell || std::abs(dy) == shell;
-      for (int dz = -shell; dz <= shell; dz += side ? 1 : 2 * shell) {
-        scan(centre, relative, dx, dy, dz, nearest, max_stamp);
+    beyond = (shell - 1) * params_.voxel * (1.0 - 4.0 * kSlack);
+    if (beyond * beyond > static_cast<double>(s.nearest.bound())) return;
+    s.reach(shell, params_.voxel);
+    for (int dx = -shell; dx <= shell; ++dx) {
+      for (int dy = -shell; dy <= shell; ++dy) {
+        const bool side = std::abs(dx) == shell || std::abs(dy) == shell;
+        for (int dz = -shell; dz <= shell; dz += side ? 1 : 2 * shell) scan(s, dx, dy, dz);
       }
     }
   }
 }
 
-void VoxelHash::scan(const VoxelCell& centre, const Vec3& relative, int dx, int dy, int dz, Nearest& nearest,
-                     std::uint32_t max_stamp) const {
-  const double edge = params_.voxel;
-  const double ax = axis_distance(relative.x(), dx, edge);
-  const double ay = axis_distance(relative.y(), dy, edge);
-  const double az = axis_distance(relative.z(), dz, edge);
-  if (ax * ax + ay * ay + az * az > static_cast<double>(nearest.bound())) return;
-  const std::uint32_t number = index_.find(pack({centre.x + dx, centre.y + dy, centre.z + dz}));
+void VoxelHash::scan(Search& s, int dx, int dy, int dz) const {
+  if (s.distance(dx, dy, dz) > s.nearest.bound()) return;
+  const std::uint32_t number = index_.find(pack({s.centre.x + dx, s.centre.y + dy, s.centre.z + dz}));
   if (number == CellIndex::kNone) return;
   const Block& block = blocks_[number];
-  nearest.scan(block.points, block.count, static_cast<float>(relative.x() - dx * edge),
-               static_cast<float>(relative.y() - dy * edge), static_cast<float>(relative.z() - dz * edge), max_stamp);
+  const Vec3 q = s.relative - params_.voxel * Vec3(dx, dy, dz);
+  s.nearest.scan(block.points, block.count, static_cast<float>(q.x()), static_cast<float>(q.y()),
+                 static_cast<float>(q.z()), s.max_stamp);
 }
 
 bool VoxelHash::crowded(const VoxelCell& cell, const Vec3& relative) const {

@@ -8,8 +8,6 @@
 
 namespace aslio::plugins {
 
-class Nearest;
-
 /// Points in a hash of voxels, as structures of arrays with coordinates relative to the voxel, so that a map of any
 /// extent keeps the accuracy of float within one voxel. Exact: a query visits every voxel its ball touches (up to 32
 /// voxels away), nearest first, and leaves out only those farther than its k-th neighbour. Points that are not finite
@@ -43,11 +41,9 @@ class VoxelHash final : public Map {
   };
 
   Vec3 corner(const VoxelCell& cell) const { return params_.voxel * Vec3(cell.x, cell.y, cell.z); }
-  void search(const Vec3& query, Nearest& nearest, std::uint32_t max_stamp) const;
-  void search_shell(const VoxelCell& centre, const Vec3& relative, int shell, Nearest& nearest,
-                    std::uint32_t max_stamp) const;
-  void scan(const VoxelCell& centre, const Vec3& relative, int dx, int dy, int dz, Nearest& nearest,
-            std::uint32_t max_stamp) const;
+  struct Search;
+  void search(const Vec3& query, Search& search) const;
+  void scan(Search& search, int dx, int dy, int dz) const;
   bool crowded(const VoxelCell& cell, const Vec3& relative) const;
   bool insert_one(const Vec3& p, std::uint32_t stamp);
   std::uint32_t new_block(const VoxelCell& cell);

@@ -1,0 +1,234 @@
+// What every registered map promises (stages/map.hpp), with its default parameters.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "aslio/stages/map.hpp"
+#include "plugins/overlaps/one_stage.hpp"
+#include "register_all.hpp"
+
+using namespace aslio;
+
+namespace {
+
+struct Fixture {
+  Fixture() { plugins::register_all(catalog); }
+  std::unique_ptr<Map> make(const std::string& type, exec::Executor& executor) {
+    return test::make_stage<Map>(catalog, type, BuildContext{executor, sensor, nullptr});
+  }
+  plugin::Catalog catalog;
+  SensorModel sensor;
+  exec::Executor exec{1};
+};
+
+class Uniform {
+ public:
+  explicit Uniform(std::uint64_t seed) : engine_(seed) {}
+  double operator()(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  Vec3 in_box(const Vec3& centre, double half) {
+    const double x = (*this)(-half, half), y = (*this)(-half, half), z = (*this)(-half, half);
+    return centre + Vec3(x, y, z);
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+WorldPoint at(const Vec3& p) {
+  WorldPoint point;
+  point.p_W = p;
+  return point;
+}
+
+std::vector<Vec3> contents(const Map& map) {
+  std::vector<Vec3> points;
+  map.visit([&](const Vec3& p) { points.push_back(p); });
+  return points;
+}
+
+/// Squared distances within reach, ascending.
+std::vector<double> brute_force(const std::vector<Vec3>& points, const Vec3& query, double max_distance) {
+  std::vector<double> squared;
+  for (const Vec3& p : points) {
+    if ((p - query).norm() <= max_distance) squared.push_back((p - query).squaredNorm());
+  }
+  std::sort(squared.begin(), squared.end());
+  return squared;
+}
+
+void check_against_brute_force(const Map& map, const std::vector<Vec3>& queries, const MapQuery& ask) {
+  const auto points = contents(map);
+  REQUIRE(points.size() == map.size());
+  Neighbours found;
+  map.correspond(queries, ask, found);
+  REQUIRE(found.size() == queries.size());
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const auto expected = brute_force(points, queries[i], ask.max_distance);
+    REQUIRE(found.count[i] == std::min(expected.size(), static_cast<std::size_t>(ask.k)));
+    for (std::size_t j = 0; j < found.count[i]; ++j) {
+      REQUIRE(std::abs(found.squared[i * found.k() + j] - expected[j]) < 2e-6);
+      const Vec3 offset = found.offset(i, j).cast<double>();
+      REQUIRE(std::abs(offset.squaredNorm() - expected[j]) < 2e-6);
+      const Vec3 p = queries[i] + offset;
+      REQUIRE(std::any_of(points.begin(), points.end(), [&](const Vec3& q) { return (q - p).norm() < 1e-5; }));
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every map: neighbours equal brute force over insertions and trims, near and far from the origin") {
+  Fixture fixture;
+  const auto types = fixture.catalog.types(Map::family);
+  REQUIRE(!types.empty());
+  for (const auto& type : types) {
+    for (const double origin : {0.0, 1e5}) {
+      INFO(type << " at " << origin);
+      const auto map = fixture.make(type, fixture.exec);
+      Uniform uniform(7);
+      Vec3 centre(origin, -origin, 0.1 * origin);
+      std::size_t offered = 0;
+      for (std::uint32_t stamp = 1; stamp <= 60; ++stamp) {
+        std::vector<WorldPoint> batch;
+        for (int i = 0; i < 1000; ++i) batch.push_back(at(uniform.in_box(centre, 3.0)));
+        const std::size_t before = map->size();
+        const InsertCount count = map->insert(batch, stamp);
+        offered += count.offered;
+        REQUIRE(count.offered == batch.size());
+        REQUIRE(map->size() == before + count.inserted);
+        centre += Vec3(7.0, 0.5, 0.0);
+        map->trim(centre);
+        if (stamp % 10 != 0) continue;
+        std::vector<Vec3> queries;
+        for (int i = 0; i < 30; ++i) queries.push_back(uniform.in_box(centre - Vec3(7.0, 0.5, 0.0), 4.0));
+        MapQuery ask;
+        for (const int k : {1, 5, 20}) {
+          ask.k = k;
+          check_against_brute_force(*map, queries, ask);
+        }
+      }
+      REQUIRE(offered == 60000);
+      REQUIRE(map->size() > 1000);
+      // What trim() has kept is what the radius reaches, and a coarse cell more at most.
+      for (const Vec3& p : contents(*map)) REQUIRE((p - centre).norm() < 1.2 * map->radius() + 10.0);
+    }
+  }
+}
+
+TEST_CASE("every map: only points inserted at max_stamp or before are seen") {
+  Fixture fixture;
+  for (const auto& type : fixture.catalog.types(Map::family)) {
+    INFO(type);
+    const auto map = fixture.make(type, fixture.exec);
+    map->insert(std::vector<WorldPoint>{at({0.1, 0.1, 0.1})}, 1);
+    map->insert(std::vector<WorldPoint>{at({0.6, 0.1, 0.1})}, 2);
+    map->insert(std::vector<WorldPoint>{at({0.1, 0.6, 0.1})}, 3);
+    const std::vector<Vec3> query{{0.1, 0.55, 0.1}};
+    Neighbours found;
+    MapQuery ask;
+    for (const std::uint32_t stamp : {0U, 1U, 2U, 3U}) {
+      ask.max_stamp = stamp;
+      map->correspond(query, ask, found);
+      REQUIRE(found.count[0] == stamp);
+    }
+    REQUIRE(found.offset(0, 0).isApprox(Eigen::Vector3f(0.0F, 0.05F, 0.0F), 1e-5F));
+    ask.max_stamp = 2;
+    map->correspond(query, ask, found);
+    REQUIRE(found.offset(0, 0).isApprox(Eigen::Vector3f(0.0F, -0.45F, 0.0F), 1e-5F));
+  }
+}
+
+TEST_CASE("every map: equal distances come in the order of insertion") {
+  Fixture fixture;
+  for (const auto& type : fixture.catalog.types(Map::family)) {
+    INFO(type);
+    const std::vector<Vec3> around{{0.25, 0, 0},  {-0.25, 0, 0}, {0, 0.25, 0},
+                                   {0, -0.25, 0}, {0, 0, 0.25},  {0, 0, -0.25}};
+    for (std::size_t first = 0; first < around.size(); ++first) {
+      const auto map = fixture.make(type, fixture.exec);
+      std::vector<WorldPoint> points;
+      for (std::size_t i = 0; i < around.size(); ++i) points.push_back(at(around[(first + i) % around.size()]));
+      map->insert(points, 1);
+      Neighbours found;
+      MapQuery ask;
+      ask.k = 3;
+      map->correspond(std::vector<Vec3>{Vec3::Zero()}, ask, found);
+      REQUIRE(found.count[0] == 3);
+      for (std::size_t j = 0; j < 3; ++j) REQUIRE(found.offset(0, j).cast<double>() == points[j].p_W);
+    }
+  }
+}
+
+TEST_CASE("every map: the same bits for any number of threads") {
+  Fixture fixture;
+  for (const auto& type : fixture.catalog.types(Map::family)) {
+    INFO(type);
+    Neighbours expected;
+    for (const int threads : {1, 2, 3, 8}) {
+      exec::Executor executor(threads);
+      const auto map = fixture.make(type, executor);
+      Uniform uniform(3);
+      std::vector<WorldPoint> points;
+      for (int i = 0; i < 20000; ++i) points.push_back(at(uniform.in_box(Vec3::Zero(), 5.0)));
+      map->insert(points, 1);
+      std::vector<Vec3> queries;
+      for (int i = 0; i < 3000; ++i) queries.push_back(uniform.in_box(Vec3::Zero(), 5.5));
+      Neighbours found;
+      map->correspond(queries, MapQuery{}, found);
+      if (threads == 1) expected = found;
+      REQUIRE(found.count == expected.count);
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        for (std::size_t j = 0; j < found.count[i]; ++j) REQUIRE(found.offset(i, j) == expected.offset(i, j));
+      }
+    }
+  }
+}
+
+TEST_CASE("every map: what is not finite or beyond all cells is refused and finds nothing") {
+  Fixture fixture;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const auto& type : fixture.catalog.types(Map::family)) {
+    INFO(type);
+    const auto map = fixture.make(type, fixture.exec);
+    const std::vector<Vec3> bad{{nan, 0, 0}, {0, inf, 0}, {0, 0, -inf}, {1e30, 0, 0}, {0, -1e30, 0}, {0, 0, 1e300}};
+    std::vector<WorldPoint> points{at({1, 1, 1})};
+    for (const Vec3& p : bad) points.push_back(at(p));
+    const InsertCount count = map->insert(points, 1);
+    REQUIRE(count.offered == 7);
+    REQUIRE(count.inserted == 1);
+    REQUIRE(map->size() == 1);
+    Neighbours found;
+    map->correspond(bad, MapQuery{}, found);
+    for (const auto n : found.count) REQUIRE(n == 0);
+    map->trim({nan, 0, 0});
+    REQUIRE(map->size() == 1);
+    map->clear();
+    REQUIRE(map->size() == 0);
+    map->correspond(std::vector<Vec3>{{1, 1, 1}}, MapQuery{}, found);
+    REQUIRE(found.count[0] == 0);
+  }
+}
+
+TEST_CASE("every map: memory stays bounded over a kilometre, and the points visited do not depend on the order") {
+  Fixture fixture;
+  for (const auto& type : fixture.catalog.types(Map::family)) {
+    INFO(type);
+    const auto map = fixture.make(type, fixture.exec);
+    Uniform uniform(11);
+    const double lap = 2.5 * map->radius();
+    std::size_t after_first_lap = 0;
+    std::vector<WorldPoint> batch(200);
+    for (double x = 0; x < lap + 1000.0; x += 1.0) {
+      for (auto& point : batch) point = at({x + uniform(-1, 1), uniform(-5, 5), uniform(0, 3)});
+      map->insert(batch, 1);
+      map->trim({x, 0, 0});
+      if (x < lap) after_first_lap = map->memory_bytes();
+    }
+    REQUIRE(static_cast<double>(map->memory_bytes()) < 1.25 * static_cast<double>(after_first_lap));
+    const auto forward = contents(*map);
+    const auto again = contents(*map);
+    REQUIRE(forward == again);
+  }
+}

@@ -1,0 +1,234 @@
+// Plane fits against Eigen's decompositions, degenerate neighbours, gates, kernels, and the Jacobian.
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "plugins/build_environment.hpp"
+#include "residuals/point_to_plane.hpp"
+
+using namespace aslio;
+using plugins::PointToPlane;
+
+namespace {
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double operator()(double half) { return half * (2.0 * static_cast<double>(engine_() >> 11) * 0x1p-53 - 1.0); }
+  Vec3 direction() {
+    Vec3 v;
+    do {
+      v = Vec3((*this)(1), (*this)(1), (*this)(1));
+    } while (v.norm() < 0.1 || v.norm() > 1.0);
+    return v.normalized();
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// k neighbours per query, as offsets.
+struct Batch {
+  explicit Batch(int k) : k_(k) {}
+  void add(const Vec3& query, const std::vector<Vec3>& offsets) {
+    queries.push_back(query);
+    Neighbours grown;
+    grown.resize(queries.size(), k_);
+    std::copy(neighbours.count.begin(), neighbours.count.end(), grown.count.begin());
+    std::copy(neighbours.offsets.begin(), neighbours.offsets.end(), grown.offsets.begin());
+    neighbours = grown;
+    neighbours.count.back() = static_cast<std::uint8_t>(offsets.size());
+    for (std::size_t j = 0; j < offsets.size(); ++j) {
+      neighbours.offsets[(queries.size() - 1) * neighbours.k() + j] = offsets[j].cast<float>();
+    }
+  }
+  std::vector<Surface> fit(PointToPlane& residual) {
+    std::vector<Surface> surfaces(queries.size());
+    residual.fit(queries, neighbours, surfaces);
+    return surfaces;
+  }
+  Eigen::Matrix3Xd offsets(std::size_t i) const {
+    Eigen::Matrix3Xd m(3, k_);
+    for (int j = 0; j < k_; ++j) m.col(j) = neighbours.offset(i, static_cast<std::size_t>(j)).cast<double>();
+    return m;
+  }
+
+  std::vector<Vec3> queries;
+  Neighbours neighbours;
+
+ private:
+  int k_;
+};
+
+std::vector<Vec3> patch(Random& random, const Vec3& normal, int k, double noise) {
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  const double height = random(0.2);
+  std::vector<Vec3> offsets;
+  for (int j = 0; j < k; ++j) {
+    offsets.push_back(random(0.4) * u + random(0.4) * v + (height + random(noise)) * normal);
+  }
+  return offsets;
+}
+
+double angle(const Vec3& a, const Vec3& b) { return a.cross(b).norm(); }
+
+}  // namespace
+
+TEST_CASE("planes equal the eigenvector of the scatter, whatever the noise") {
+  test::BuildEnvironment environment;
+  Random random(1);
+  for (const int k : {3, 5, 8, 20}) {
+    PointToPlane::Params params;
+    params.k = k;
+    params.plane_threshold = 10.0;
+    params.min_spread = 0.0;
+    PointToPlane residual(params, environment.context());
+    for (const double noise : {0.0, 0.001, 0.02, 0.05}) {
+      Batch batch(k);
+      for (int i = 0; i < 300; ++i) batch.add(1e5 * random.direction(), patch(random, random.direction(), k, noise));
+      const auto surfaces = batch.fit(residual);
+      int checked = 0;
+      for (std::size_t i = 0; i < surfaces.size(); ++i) {
+        const Eigen::Matrix3Xd points = batch.offsets(i);
+        const Vec3 mean = points.rowwise().mean();
+        const Eigen::Matrix3Xd centred = points.colwise() - mean;
+        const Eigen::SelfAdjointEigenSolver<Mat3> solver(Mat3(centred * centred.transpose()));
+        if (solver.eigenvalues()[0] > 0.3 * solver.eigenvalues()[1]) continue;  // no plane to speak of
+        REQUIRE(surfaces[i].valid);
+        REQUIRE(surfaces[i].normal.norm() == Approx(1.0).epsilon(1e-12));
+        REQUIRE(angle(surfaces[i].normal, solver.eigenvectors().col(0)) < 1e-6);
+        REQUIRE((surfaces[i].anchor - batch.queries[i] - mean).norm() < 1e-9);
+        ++checked;
+      }
+      REQUIRE(checked > 250);
+    }
+  }
+}
+
+TEST_CASE("planes agree with the QR solution of n.x + 1 = 0 where there is little noise") {
+  test::BuildEnvironment environment;
+  PointToPlane residual({}, environment.context());
+  Random random(2);
+  Batch batch(5);
+  for (int i = 0; i < 200; ++i) batch.add(Vec3::Zero(), patch(random, random.direction(), 5, 0.0));
+  const auto surfaces = batch.fit(residual);
+  int checked = 0;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (!surfaces[i].valid) continue;  // nearly collinear by chance
+    // Seen from 2 m in front, so that the plane does not pass through the origin, where that equation has no solution.
+    const Eigen::Matrix3Xd points = batch.offsets(i).colwise() + 2.0 * surfaces[i].normal;
+    const Vec3 n = points.transpose().colPivHouseholderQr().solve(-Eigen::VectorXd::Ones(5));
+    REQUIRE(angle(n.normalized(), surfaces[i].normal) < 1e-5);
+    ++checked;
+  }
+  REQUIRE(checked > 180);
+}
+
+TEST_CASE("neighbours that span no plane give none") {
+  test::BuildEnvironment environment;
+  PointToPlane residual({}, environment.context());
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    Batch batch(5);
+    const Vec3 d = random.direction();
+    std::vector<Vec3> line, point, pair, few = patch(random, d, 4, 0.0);
+    for (int j = 0; j < 5; ++j) {
+      line.push_back(0.1 * j * d + Vec3(random(0.002), random(0.002), random(0.002)));
+      point.push_back(0.3 * d);
+      pair.push_back((j % 2 == 0 ? 0.2 : -0.1) * d);
+    }
+    batch.add(Vec3::Zero(), line);
+    batch.add(Vec3::Zero(), point);
+    batch.add(Vec3::Zero(), pair);
+    batch.add(Vec3::Zero(), few);
+    batch.add(Vec3::Zero(), std::vector<Vec3>(5, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
+    for (const Surface& surface : batch.fit(residual)) REQUIRE(!surface.valid);
+  }
+}
+
+TEST_CASE("a plane is refused exactly when a neighbour lies beyond the threshold") {
+  test::BuildEnvironment environment;
+  // A square with its centre raised by h: the plane lies at h / 5, the centre 4 h / 5 above it.
+  for (const double h : {0.05, 0.124, 0.126, 0.2}) {
+    PointToPlane residual({}, environment.context());
+    Batch batch(5);
+    batch.add(Vec3(1, 2, 3), {{0.5, 0.5, 0}, {0.5, -0.5, 0}, {-0.5, 0.5, 0}, {-0.5, -0.5, 0}, {0, 0, h}});
+    const auto surfaces = batch.fit(residual);
+    REQUIRE(surfaces[0].valid == (0.8 * h <= 0.1));
+    if (surfaces[0].valid) REQUIRE(surfaces[0].anchor.z() == Approx(3.0 + 0.2 * h).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("the Jacobian equals central differences of the residual") {
+  test::BuildEnvironment environment;
+  PointToPlane residual({}, environment.context());
+  Random random(4);
+  for (int i = 0; i < 50; ++i) {
+    const std::vector<Surface> surface{{random.direction(), 100.0 * random.direction(), 1.0, true}};
+    const std::vector<float> range{1e6F};
+    const Vec3 p = surface[0].anchor + 0.3 * random.direction();
+    std::vector<ResidualRow> row(1), plus(1), minus(1);
+    residual.evaluate(std::vector<Vec3>{p}, range, surface, 0.03, row);
+    REQUIRE(row[0].information == Approx(1.0 / 0.0009).epsilon(1e-12));
+    for (int axis = 0; axis < 3; ++axis) {
+      constexpr double step = 1e-4;
+      residual.evaluate(std::vector<Vec3>{p + step * Vec3::Unit(axis)}, range, surface, 0.03, plus);
+      residual.evaluate(std::vector<Vec3>{p - step * Vec3::Unit(axis)}, range, surface, 0.03, minus);
+      REQUIRE(row[0].J[axis] == Approx((plus[0].r - minus[0].r) / (2 * step)).margin(1e-9));
+    }
+  }
+}
+
+TEST_CASE("gate, kernels and quality weigh a row") {
+  test::BuildEnvironment environment;
+  const std::vector<Surface> surface{{Vec3::UnitZ(), Vec3::Zero(), 0.5, true}};
+  const auto information = [&](const PointToPlane::Params& params, double r, float range) {
+    PointToPlane residual(params, environment.context());
+    std::vector<ResidualRow> row(1, {7.0, Vec3::Ones(), 7.0});
+    residual.evaluate(std::vector<Vec3>{{3, 4, r}}, std::vector<float>{range}, surface, 0.1, row);
+    return row[0].information;
+  };
+  PointToPlane::Params params;
+  // FAST-LIO2: 1 - 0.9 |r| / sqrt(range) > 0.9.
+  for (const float range : {1.0F, 4.0F, 25.0F}) {
+    for (const double r : {0.05, -0.11, 0.112, 0.2, -0.23, 0.5, 0.6}) {
+      const bool kept = 1.0 - 0.9 * std::abs(r) / std::sqrt(static_cast<double>(range)) > 0.9;
+      REQUIRE(information(params, r, range) == Approx(kept ? 50.0 : 0.0));
+    }
+  }
+  params.gate = 0;
+  REQUIRE(information(params, 5.0, 1.0F) == Approx(50.0));
+  REQUIRE(information(params, std::numeric_limits<double>::quiet_NaN(), 1.0F) == 0.0);
+  params.kernel = PointToPlane::Kernel::huber;
+  REQUIRE(information(params, 0.05, 1.0F) == Approx(50.0));
+  REQUIRE(information(params, -0.4, 1.0F) == Approx(12.5));
+  params.kernel = PointToPlane::Kernel::cauchy;
+  REQUIRE(information(params, 0.1, 1.0F) == Approx(25.0));
+}
+
+TEST_CASE("an invalid surface gives a row without information") {
+  test::BuildEnvironment environment;
+  PointToPlane residual({}, environment.context());
+  std::vector<ResidualRow> row(1, {7.0, Vec3::Ones(), 7.0});
+  residual.evaluate(std::vector<Vec3>{{0, 0, 0}}, std::vector<float>{10.0F}, std::vector<Surface>(1), 0.1, row);
+  REQUIRE(row[0].information == 0.0);
+  REQUIRE(row[0].J == Vec3::Zero());
+}
+
+TEST_CASE("planes do not depend on the place in the batch, nor on what else is in it") {
+  test::BuildEnvironment environment;
+  PointToPlane residual({}, environment.context());
+  Random random(5);
+  const auto offsets = patch(random, random.direction(), 5, 0.02);
+  Batch alone(5), many(5);
+  alone.add(Vec3(1, 2, 3), offsets);
+  for (int i = 0; i < 37; ++i) many.add(Vec3::Zero(), patch(random, random.direction(), 5, 0.02));
+  many.add(Vec3(1, 2, 3), offsets);
+  const Surface a = alone.fit(residual)[0], b = many.fit(residual)[37];
+  REQUIRE(a.valid);
+  REQUIRE(a.normal == b.normal);
+  REQUIRE(a.anchor == b.anchor);
+}
