@@ -1,5 +1,6 @@
 #include "estimators/frame.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace aslio::plugins {
