@@ -43,6 +43,8 @@ class CellIndex {
       if (slots_[slot].key == kEmpty) return kNone;
     }
   }
+  /// Starts to load the slot of a key.
+  void prefetch(std::uint64_t key) const { __builtin_prefetch(&slots_[home(key)]); }
   /// Pre: the key is absent. Amortised O(1).
   void insert(std::uint64_t key, std::uint32_t number);
   /// Pre: the key is present. Closes the gap, so that no tombstones pile up.

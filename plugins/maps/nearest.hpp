@@ -36,19 +36,19 @@ class Nearest {
   static constexpr std::size_t kLanes = 8;
 
   void tighten(const float* squared, std::size_t n);
-  void offer(float squared, std::uint32_t order, float x, float y, float z);
+  void offer(float squared, const std::uint32_t* order, float x, float y, float z);
 
   int k_;
   int count_ = 0;
   float bound_;
   std::array<float, Neighbours::kMax> squared_, x_, y_, z_;
-  std::array<std::uint32_t, Neighbours::kMax> order_;
+  std::array<const std::uint32_t*, Neighbours::kMax> order_;  // read at ties only: a cache line less
 };
 
-inline void Nearest::offer(float squared, std::uint32_t order, float x, float y, float z) {
+inline void Nearest::offer(float squared, const std::uint32_t* order, float x, float y, float z) {
   // Orders compare as a circle: the count of insertions may wrap.
   const auto before = [&](std::size_t j) {
-    return squared < squared_[j] || (squared == squared_[j] && static_cast<std::int32_t>(order - order_[j]) < 0);
+    return squared < squared_[j] || (squared == squared_[j] && static_cast<std::int32_t>(*order - *order_[j]) < 0);
   };
   auto j = static_cast<std::size_t>(count_);
   if (count_ == k_) {
@@ -124,7 +124,7 @@ inline void Nearest::scan(const Chunk& chunk, std::size_t n, float qx, float qy,
     }
     for (std::size_t h = 0; h < found; ++h) {
       const std::size_t i = hits[h];
-      if (squared[i] <= bound_) offer(squared[i], chunk.order[begin + i], x[i] - qx, y[i] - qy, z[i] - qz);
+      if (squared[i] <= bound_) offer(squared[i], chunk.order + begin + i, x[i] - qx, y[i] - qy, z[i] - qz);
     }
   }
 }

@@ -14,7 +14,8 @@ namespace aslio::plugins {
 namespace {
 
 constexpr std::size_t kQueriesPerChunk = 128;
-constexpr int kMaxReach = 32;  // voxels; below kCellMargin, so that neighbours of a valid cell have keys
+constexpr std::size_t kAhead = 3;  // queries between the steps of loading a voxel before it is needed
+constexpr int kMaxReach = 32;      // voxels; below kCellMargin, so that neighbours of a valid cell have keys
 /// Rounding of a float coordinate inside a voxel, as a share of its edge, with much to spare.
 constexpr double kSlack = 1e-5;
 
@@ -73,11 +74,31 @@ void VoxelHash::correspond(std::span<const Vec3> queries, const MapQuery& query,
   const auto max_squared = static_cast<float>(query.max_distance * query.max_distance);
   exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
+      if (i + 3 * kAhead < end) load_ahead(queries[i + 3 * kAhead], 0);
+      if (i + 2 * kAhead < end) load_ahead(queries[i + 2 * kAhead], 1);
+      if (i + kAhead < end) load_ahead(queries[i + kAhead], 2);
       Search one(k, max_squared, query.max_stamp);
       search(queries[i], one);
       one.nearest.write(out, i);
     }
   });
+}
+
+void VoxelHash::load_ahead(const Vec3& query, int stage) const {
+  const auto cell = cell_of(query, inverse_voxel_);
+  if (!cell) return;
+  const std::uint64_t key = pack(*cell);
+  if (stage == 0) return index_.prefetch(key);
+  const std::uint32_t number = index_.find(key);
+  if (number == CellIndex::kNone) return;
+  const Block& block = blocks_[number];
+  if (stage == 1) return __builtin_prefetch(&block);
+  const std::size_t n = std::min<std::size_t>(block.count, 32);
+  for (std::size_t i = 0; i < n; i += 16) {
+    __builtin_prefetch(block.points.x + i);
+    __builtin_prefetch(block.points.y + i);
+    __builtin_prefetch(block.points.z + i);
+  }
 }
 
 void VoxelHash::search(const Vec3& query, Search& s) const {

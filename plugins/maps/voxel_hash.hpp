@@ -43,6 +43,8 @@ class VoxelHash final : public Map {
   Vec3 corner(const VoxelCell& cell) const { return params_.voxel * Vec3(cell.x, cell.y, cell.z); }
   struct Search;
   void search(const Vec3& query, Search& search) const;
+  /// Starts to load what the query will need: 0 the slot of its voxel, then 1 the voxel, then 2 the points.
+  void load_ahead(const Vec3& query, int stage) const;
   void scan(Search& search, int dx, int dy, int dz) const;
   bool crowded(const VoxelCell& cell, const Vec3& relative) const;
   bool insert_one(const Vec3& p, std::uint32_t stamp);

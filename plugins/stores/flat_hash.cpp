@@ -35,7 +35,7 @@ template <class Keep>
 void FlatHash::rebuild(unsigned log2_size, Keep&& keep) {
   const auto old = std::exchange(keys_, std::vector<std::uint64_t>(std::size_t{1} << log2_size, kEmpty));
   mask_ = keys_.size() - 1;
-  shift_ = 64 - log2_size;
+  shift_ = 64 + 3 - log2_size;
   size_ = 0;
   for (const std::uint64_t key : old) {
     if (key != kEmpty && keep(key)) add(key);

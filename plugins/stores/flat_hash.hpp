@@ -26,7 +26,10 @@ class FlatHash final : public OccupancyStore {
  private:
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};  // no cell: keys have 63 bits
 
-  std::size_t home(std::uint64_t key) const { return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> shift_); }
+  /// Eight cells above each other share a cache line: a query walks up and down columns.
+  std::size_t home(std::uint64_t key) const {
+    return static_cast<std::size_t>((key >> 3) * 0x9e3779b97f4a7c15u >> shift_) << 3 | (key & 7);
+  }
   bool contains(std::uint64_t key) const {
     for (std::size_t slot = home(key);; slot = (slot + 1) & mask_) {
       if (keys_[slot] == key) return true;

@@ -43,8 +43,31 @@ WorldPoint street_point(Uniform& uniform, double extent) {
   } else {
     point.p_W = Vec3(lane + noise, u, 10.0 * v);
   }
+  point.p_W += Vec3(0.37, 0.61, 0.43);  // off the boundaries of voxels
   point.range = 20.0F;
   return point;
+}
+
+/// A sweep of 64 beams at 375 azimuths from (x, 0, 1.8) in a street 20 m wide with a house corner every 15 m.
+std::vector<WorldPoint> sweep(Uniform& uniform, double x) {
+  std::vector<WorldPoint> points;
+  for (int beam = 0; beam < 64; ++beam) {
+    for (int step = 0; step < 375; ++step) {
+      const double elevation = (-25.0 + 0.6 * beam) * 0.01745, azimuth = 6.2832 * (step + uniform()) / 375.0;
+      const Vec3 ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                     std::sin(elevation));
+      double range = ray.z() < 0 ? -1.8 / ray.z() : 80.0;
+      double wall = 10.0 / std::max(1e-3, std::abs(ray.y()));
+      const double along = x + wall * ray.x();
+      if (std::fmod(std::abs(along), 15.0) < 5.0) wall *= 1.3;  // set back
+      range = std::min({range, wall, 80.0}) + 0.02 * (uniform() + uniform() - 1.0);
+      WorldPoint point;
+      point.p_W = Vec3(x, 0, 1.8) + range * ray;
+      point.range = static_cast<float>(range);
+      points.push_back(point);
+    }
+  }
+  return points;
 }
 
 template <class F>
@@ -122,12 +145,8 @@ void bench_overlap(const BuildContext& context, double voxel, std::int64_t max_p
   plugins::SoftVoxel overlap(params, context);
   constexpr int frames = 60, warm_up = 20;
   double evaluate_time = 0, extend_time = 0, sum = 0;
-  std::vector<WorldPoint> points(24000);
   for (int frame = 0; frame < frames; ++frame) {
-    for (auto& point : points) {
-      point = street_point(uniform, 60.0);
-      point.p_W.x() += 2.0 * frame;
-    }
+    const std::vector<WorldPoint> points = sweep(uniform, 1.0 * frame);
     const TimeNs t = frame * kSecond / 10;
     OverlapScore score;
     const double evaluate = seconds([&] { score = overlap.evaluate(points, t); });
