@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 
+#include "aslio/experiment/measure.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "interrupt.hpp"
@@ -29,7 +30,7 @@ int exit_code(const experiment::RunResult& result) {
   switch (result.summary.status) {
     case RunStatus::ok:
     case RunStatus::degraded:
-      return kSuccess;
+      return result.summary.evaluation_error.empty() ? kSuccess : kBadData;
     case RunStatus::truncated:
       return kBadData;
     case RunStatus::interrupted:
@@ -55,10 +56,13 @@ std::string report(const experiment::Summary& s, const std::string& output) {
   }
   fmt::format_to(out, "path         {:.2f} m", s.path_length_m);
   if (s.end_to_end_m) fmt::format_to(out, ", end to end {:.3f} m", *s.end_to_end_m);
-  if (s.accuracy) {
-    fmt::format_to(out, "\naccuracy     ATE {:.4f} m, {:.3f} deg; {:.1f} % of the poses matched", s.accuracy->ate_m,
-                   s.accuracy->ate_deg, 100 * s.accuracy->matched);
-    if (s.accuracy->rpe_m) fmt::format_to(out, "; RPE {:.4f} m per metre", *s.accuracy->rpe_m);
+  if (s.evaluation) {
+    fmt::format_to(out, "\naccuracy     ATE {:.4f} m, {:.3f} deg; {:.1f} % of the poses matched",
+                   s.evaluation->ate.translation.rmse, s.evaluation->ate.rotation.rmse,
+                   100 * s.evaluation->matched_share);
+    if (const auto rpe = experiment::headline_rpe(*s.evaluation)) {
+      fmt::format_to(out, "; RPE {:.4f} m over {:g} m", rpe->rmse_m, rpe->distance_m);
+    }
   }
   fmt::format_to(out, "\ncost         {:.2f} s CPU ({:.3f} s per s of data), peak memory {:.0f} MB\n", s.cpu_s,
                  s.data_s > 0 ? s.cpu_s / s.data_s : 0.0, s.peak_rss_mb);
@@ -94,7 +98,9 @@ int run_pipeline(const Arguments& a, const CLI::App& app, const std::vector<std:
       experiment::run(options_of(a, stages, app, command_line), stages.catalog, display, make_logger(a.quiet));
   if (!a.quiet && stderr_is_terminal()) clear_bar();
   const int code = exit_code(result);
-  if (code != kSuccess) {
+  const std::string& no_figures = result.summary.evaluation_error;
+  if (!no_figures.empty()) complain(fmt::format("--reference {}: {}", a.reference, no_figures));
+  if (code != kSuccess && no_figures.empty()) {
     complain(fmt::format("{}: {}: {}", a.input, pipeline::name(result.summary.status), result.summary.reason));
   }
   if (!a.quiet) print(report(result.summary, a.output));

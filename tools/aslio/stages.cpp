@@ -1,5 +1,6 @@
 #include "stages.hpp"
 
+#include "aslio/plugin/shared_object.hpp"
 #include "register_all.hpp"
 
 namespace aslio::cli {
@@ -13,7 +14,9 @@ void add_plugin_option(CLI::App& app, std::vector<std::string>& files) {
 Stages load_stages(const std::vector<std::string>& plugin_files) {
   Stages stages;
   plugins::register_all(stages.catalog);
-  (void)plugin_files;
+  for (auto& object : plugin::load_shared_objects(stages.catalog, plugin_files, plugin::plugin_search_path())) {
+    stages.files.push_back({std::move(object.path), std::move(object.sha256)});
+  }
   return stages;
 }
 

@@ -5,9 +5,9 @@
 
 #include <chrono>
 
-#include "accuracy.hpp"
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "manifest.hpp"
@@ -192,6 +192,16 @@ void gather(Summary& summary, const pipeline::Odometry& odometry, const io::Meas
   for (const std::string& warning : source.notes().warnings) summary.notes.push_back("warning: " + warning);
 }
 
+/// A run is worth keeping although its reference turns out not to fit.
+void measure(Summary& summary, const std::vector<StampedPose>& poses, const Trajectory& reference) {
+  try {
+    const auto options = measuring_options(reference, evaluation::Rule::interpolated);
+    summary.evaluation = evaluation::evaluate(Trajectory(poses), reference, options);
+  } catch (const std::exception& error) {
+    summary.evaluation_error = error.what();
+  }
+}
+
 }  // namespace
 
 RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMonitor& monitor,
@@ -220,7 +230,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   summary.cpu_s = process_cpu_seconds() - cpu_start;
   summary.wall_s = seconds_since(start);
   summary.peak_rss_mb = peak_rss_mb();
-  if (prepared.reference) summary.accuracy = measure_accuracy(loop.collector().poses(), *prepared.reference);
+  if (prepared.reference) measure(summary, loop.collector().poses(), *prepared.reference);
   judge(summary, outcome, loop.collector().was_degraded());
   result.bad_data = blames_data(summary, loop.bad_data());
 

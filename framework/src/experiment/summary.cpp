@@ -4,6 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "aslio/evaluation/report.hpp"
+#include "aslio/experiment/measure.hpp"
+
 namespace aslio::experiment {
 
 namespace {
@@ -42,31 +45,36 @@ Json or_null(const std::optional<T>& value) {
 }
 
 Json metrics(const Summary& s) {
-  Json out = {{"ate_m", nullptr}, {"ate_deg", nullptr}, {"rpe", nullptr}};
-  if (s.accuracy) {
-    out["ate_m"] = s.accuracy->ate_m;
-    out["ate_deg"] = s.accuracy->ate_deg;
-    out["rpe"] = or_null(s.accuracy->rpe_m);
+  Json out = {{"ate_m", nullptr}, {"ate_deg", nullptr}, {"rpe", nullptr}, {"rpe_distance_m", nullptr}};
+  if (s.evaluation) {
+    out["ate_m"] = s.evaluation->ate.translation.rmse;
+    out["ate_deg"] = s.evaluation->ate.rotation.rmse;
+    if (const auto rpe = headline_rpe(*s.evaluation)) {
+      out["rpe"] = rpe->rmse_m;
+      out["rpe_distance_m"] = rpe->distance_m;
+    }
   }
   out["end_to_end_m"] = or_null(s.end_to_end_m);
-  out["matched"] = s.accuracy ? Json(s.accuracy->matched) : Json(nullptr);
+  out["matched"] = s.evaluation ? Json(s.evaluation->matched_share) : Json(nullptr);
+  if (!s.evaluation_error.empty()) out["error"] = s.evaluation_error;
   return out;
 }
 
 /// What was not taken as it came and is more than the peculiarity of a sensor: duplicates, disorder and points that
-/// the decoder drops lose nothing.
+/// the decoder drops lose nothing, and neither do fewer than one in a thousand.
 std::string anomalies(const Summary& s) {
   std::string text;
   const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  const auto dropped = [&add](std::uint64_t count, std::uint64_t accepted, std::string_view what) {
+    if (count * 1000 > accepted) add(fmt::format("{} {} dropped", count, what));
+  };
   const stream::StreamCounters& c = s.counters;
-  for (const auto& [count, what] :
-       {std::pair{c.packet_time_jumps, "LiDAR messages with an implausible stamp"},
-        std::pair{c.points_stray, "points with a stray time"}, std::pair{c.points_late, "points that came too late"},
-        std::pair{c.imu_invalid, "IMU samples that are not finite"},
-        std::pair{c.imu_late, "IMU samples that came too late"},
-        std::pair{c.imu_time_jumps, "IMU samples with an implausible stamp"}}) {
-    if (count > 0) add(fmt::format("{} {} dropped", count, what));
-  }
+  dropped(c.packet_time_jumps, c.packets, "LiDAR messages with an implausible stamp");
+  dropped(c.points_stray, c.points, "points with a stray time");
+  dropped(c.points_late, c.points, "points that came too late");
+  dropped(c.imu_invalid, c.imu, "IMU samples that are not finite");
+  dropped(c.imu_late, c.imu, "IMU samples that came too late");
+  dropped(c.imu_time_jumps, c.imu, "IMU samples with an implausible stamp");
   if (s.longest_imu_gap_s > to_seconds(kLongGap)) add(fmt::format("{:.2f} s without IMU data", s.longest_imu_gap_s));
   if (s.longest_lidar_gap_s > to_seconds(kLongGap)) add(fmt::format("{:.2f} s without points", s.longest_lidar_gap_s));
   return text;
@@ -103,6 +111,7 @@ std::string to_json(const Summary& s) {
   out["initialisation"] = s.initialisation;
   out["notes"] = s.notes;
   out["metrics"] = metrics(s);
+  if (s.evaluation) out["evaluation"] = evaluation::to_json(*s.evaluation);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

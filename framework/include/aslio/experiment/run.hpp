@@ -27,7 +27,7 @@ struct RunOptions {
   std::filesystem::path input, sensor, output;
   int threads = 1;
   io::Section section;
-  std::optional<std::filesystem::path> reference;  ///< TUM; fills Summary::accuracy
+  std::optional<std::filesystem::path> reference;  ///< TUM; fills Summary::evaluation
   std::optional<std::filesystem::path> save_map;   ///< .ply or .pcd
   bool dense = false;                              ///< also trajectory_dense.tum
   std::uint64_t order_seed = 0;                    ///< BuildContext::order_seed

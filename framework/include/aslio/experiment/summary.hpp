@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "aslio/core/trajectory.hpp"
+#include "aslio/evaluation/evaluation.hpp"
 #include "aslio/pipeline/update_record.hpp"
 #include "aslio/stream/measurement_stream.hpp"
 
@@ -22,14 +23,6 @@ inline constexpr TimeNs kLongGap = kSecond / 2;
 /// Minimum, median and maximum of the rate of updates [Hz]; windows that a gap or the end cut short do not count.
 struct RateRange {
   double min = 0, median = 0, max = 0;
-};
-
-/// Against a reference trajectory (docs/cli.md says how).
-struct Accuracy {
-  double ate_m = 0;             ///< RMSE of the position after SE(3) alignment, weighted by time
-  double ate_deg = 0;           ///< RMSE of the rotation after the same alignment
-  std::optional<double> rpe_m;  ///< RMSE of the position error per metre of reference path; absent on shorter paths
-  double matched = 0;           ///< share of the estimated poses the reference could be interpolated at
 };
 
 /// Everything summary.json holds.
@@ -50,8 +43,9 @@ struct Summary {
   double wall_s = 0;  ///< the same in wall-clock time
   double data_s = 0;  ///< from the first to the last point read
   double peak_rss_mb = 0;
-  std::optional<double> end_to_end_m;  ///< distance between the first and the last position
-  std::optional<Accuracy> accuracy;
+  std::optional<double> end_to_end_m;                ///< distance between the first and the last position
+  std::optional<evaluation::Evaluation> evaluation;  ///< against the reference, when there is one
+  std::string evaluation_error;                      ///< why there is none although there is a reference
 };
 
 /// summary.json as text.

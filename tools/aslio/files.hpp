@@ -1,0 +1,19 @@
+#pragma once
+/// Reading a configuration file as what its schema line says it is.
+
+#include <filesystem>
+#include <string>
+
+#include "aslio/config/load.hpp"
+
+namespace aslio::cli {
+
+struct CheckedFile {
+  config::FileKind kind;
+  std::string resolved;  ///< every key at its effective value
+};
+
+/// Throws ConfigError with everything that is wrong with the file.
+CheckedFile read_checked(const std::filesystem::path& file, const config::StageLookup& stages);
+
+}  // namespace aslio::cli

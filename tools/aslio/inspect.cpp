@@ -1,0 +1,46 @@
+#include "aslio/io/inspect.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "aslio/config/load.hpp"
+#include "command.hpp"
+#include "console.hpp"
+#include "stages.hpp"
+
+namespace aslio::cli {
+
+namespace {
+
+struct Arguments {
+  std::string path, sensor;
+};
+
+int inspect(const Arguments& a) {
+  io::SensorConfig sensor;
+  if (!a.sensor.empty()) {
+    sensor = config::load<io::SensorConfig>(a.sensor, config::FileKind::sensor, load_stages({}).catalog).value;
+  }
+  const io::InputReport report = io::inspect(a.path, sensor);
+  print(io::render(report));
+  if (!report.usable) complain(fmt::format("{}: unusable: {}", a.path, report.reason));
+  return report.usable && report.status == io::InputStatus::complete ? kSuccess : kBadData;
+}
+
+}  // namespace
+
+Command add_inspect(CLI::App& root) {
+  CLI::App* app = root.add_subcommand(
+      "inspect", "Reads a whole recording and tells topics, rates, gaps, units and what is known of point times.");
+  auto arguments = std::make_shared<Arguments>();
+  app->add_option("PATH", arguments->path, "ROS1 bag, or KITTI raw drive folder")->required()->check(CLI::ExistingPath);
+  app->add_option("--sensor", arguments->sensor, "judge as a run with this sensor file would")
+      ->check(CLI::ExistingFile);
+  app->footer(
+      "Exits with 3 when a run could not use the recording, or when it is truncated.\n\n"
+      "Example:\n  aslio inspect corridor.bag --sensor configs/sensors/livox_avia.yaml");
+  return {app, [=] { return inspect(*arguments); }};
+}
+
+}  // namespace aslio::cli
