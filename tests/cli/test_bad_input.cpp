@@ -1,0 +1,161 @@
+/// Every bad input: the exit code, what the message says, and what is left behind.
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fixture.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+using Catch::Matchers::Contains;
+using Json = nlohmann::json;
+
+namespace {
+
+Json summary(const std::filesystem::path& folder) { return Json::parse(content(folder / "summary.json")); }
+
+}  // namespace
+
+TEST_CASE("unknown keys and wrong types are all told, with their places") {
+  const Bench bench;
+  write_text(bench / "pipeline.yaml", pipeline_text("max_sped: 30\nmax_silence: soon\n"));
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("pipeline.yaml:9:1") && Contains("unknown key 'max_sped'") &&
+                            Contains("did you mean 'max_speed'"));
+  CHECK_THAT(ended.err, Contains("pipeline.yaml:10:") && Contains("max_silence") && Contains("soon"));
+  CHECK_FALSE(std::filesystem::exists(bench / "out"));
+}
+
+TEST_CASE("an override names itself where it is wrong") {
+  const Bench bench;
+  const Ended ended = bench.run("out", {"--set", "window.perod=0.1"});
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("--set window.perod=0.1") && Contains("did you mean 'period'"));
+}
+
+TEST_CASE("an unknown stage names those there are") {
+  const Bench bench;
+  const Ended ended = bench.run("out", {"--set", "window={type: fixd}"});
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("fixd") && Contains("fixed"));
+}
+
+TEST_CASE("missing files and wrong options are wrong usage") {
+  const Bench bench;
+  CHECK(run_aslio({}).code == 2);
+  CHECK(run_aslio({"rnu"}).code == 2);
+  const Ended threads = bench.run("out", {"--threads", "0"});
+  CHECK(threads.code == 2);
+  CHECK_THAT(threads.err, Contains("--threads"));
+  std::filesystem::remove(bench / "recording.bag");
+  const Ended input = bench.run("out");
+  CHECK(input.code == 2);
+  CHECK_THAT(input.err, Contains("--input") && Contains("recording.bag"));
+}
+
+TEST_CASE("a bag without the topic: the message lists those it has") {
+  const Bench bench(Recording{.duration = 0.5, .lidar_topic = "/points"});
+  write_text(bench / "sensor.yaml", sensor_text("lidar_topic: /livox/lidar\n"));
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("recording.bag") && Contains("no LiDAR topic '/livox/lidar'") && Contains("/points"));
+}
+
+TEST_CASE("a bag without IMU data") {
+  const Bench bench(Recording{.duration = 0.5, .imu = false});
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("no IMU topic") && Contains("imu_topic"));
+}
+
+TEST_CASE("a truncated bag: what is whole is used, and the run says so") {
+  const Bench bench;
+  const auto bag = bench / "recording.bag";
+  std::filesystem::resize_file(bag, std::filesystem::file_size(bag) * 7 / 10);
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("truncated"));
+  CHECK(summary(bench / "out").at("status") == "truncated");
+  CHECK(summary(bench / "out").at("updates").get<int>() >= 8);
+  CHECK(line_count(bench / "out/trajectory.tum") >= 8);
+  CHECK(std::filesystem::exists(bench / "out/manifest.json"));
+}
+
+TEST_CASE("a file that is no bag") {
+  const Bench bench;
+  write_text(bench / "recording.bag", "this is not a bag");
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("recording.bag"));
+  CHECK_FALSE(std::filesystem::exists(bench / "out/summary.json"));
+}
+
+TEST_CASE("point times filled with zeros are refused, and the remedy is named") {
+  const Bench bench(Recording{.duration = 0.5, .point_cloud = true, .zero_times = true});
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("time") && Contains("require_point_times"));
+}
+
+TEST_CASE("point clouds with times run") {
+  const Bench bench(Recording{.duration = 1.5, .point_cloud = true});
+  const Ended ended = bench.run("out");
+  INFO(ended.err);
+  CHECK(ended.code == 0);
+}
+
+TEST_CASE("points that are not numbers are dropped and counted") {
+  const Bench bench(Recording{.nan_every = 2});
+  const Ended ended = bench.run("out");
+  INFO(ended.err);
+  CHECK(ended.code == 0);
+  const Json counts = summary(bench / "out").at("counts");
+  const auto invalid = counts.at("points_invalid").get<double>(), kept = counts.at("points").get<double>();
+  CHECK(invalid == Approx(kept).epsilon(0.01));
+}
+
+TEST_CASE("acceleration in g that is declared m/s^2 is refused with the factor") {
+  const Bench bench;
+  write_text(bench / "sensor.yaml", sensor_text("acc_unit: mps2\n"));
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("acc_unit") && Contains("9.80665"));
+}
+
+TEST_CASE("an output folder that cannot be is found before the data is read") {
+  const Bench bench;
+  write_text(bench / "file", "");
+  write_text(bench / "recording.bag", "not read");
+  for (const char* output : {"file", "file/below"}) {
+    const Ended ended = bench.run(output);
+    CHECK(ended.code == 2);
+    CHECK_THAT(ended.err, Contains("--output") && Contains("file") && !Contains("bag"));
+  }
+  auto arguments = bench.arguments("out");
+  arguments[7] = "/proc";
+  const Ended ended = run_aslio(arguments);
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("--output /proc"));
+}
+
+TEST_CASE("a disk that fills up leaves no half-written file under a final name") {
+  const Bench bench;
+  const Ended ended = run_aslio_with_file_limit(bench.arguments("out", {"--save-map", bench / "map.ply"}), 100'000);
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("map.ply") && Contains("File too large"));
+  CHECK_FALSE(std::filesystem::exists(bench / "map.ply"));
+  CHECK(summary(bench / "out").at("status") == "failed");
+}
+
+TEST_CASE("a run that loses its way says diverged, when and why") {
+  const Bench bench;
+  const Ended ended = bench.run("out", {"--set", "max_speed=0.001"});
+  CHECK(ended.code == 1);
+  CHECK_THAT(ended.err, Contains("diverged") && Contains("max_speed"));
+  const Json out = summary(bench / "out");
+  CHECK(out.at("status") == "diverged");
+  CHECK(out.at("moment_ns").get<long>() > 1'000'000'000'000'000'000);
+  CHECK(out.at("coverage").get<double>() < 0.95);
+  CHECK(line_count(bench / "out/trajectory.tum") == line_count(bench / "out/updates.csv") - 1);
+}

@@ -1,0 +1,98 @@
+#include <catch2/catch.hpp>
+
+#include "fixture.hpp"
+
+using namespace aslio::test;
+using Catch::Matchers::Contains;
+
+TEST_CASE("every command has help with an example") {
+  for (const char* command : {"run", "list", "describe", "check", "diff", "inspect", "evaluate", "version"}) {
+    const Ended ended = run_aslio({command, "--help"});
+    INFO(command);
+    CHECK(ended.code == 0);
+    CHECK_THAT(ended.out, Contains("Example:") && Contains(std::string("aslio ") + command));
+  }
+}
+
+TEST_CASE("list names families and their members") {
+  const Ended all = run_aslio({"list"});
+  CHECK(all.code == 0);
+  CHECK_THAT(all.out,
+             Contains("windows\n") && Contains("sod_adaptive") && Contains("estimators\n") && Contains("ieskf"));
+  const Ended one = run_aslio({"list", "windows"});
+  CHECK_THAT(one.out, Contains("fixed") && !Contains("ieskf"));
+  const Ended none = run_aslio({"list", "windws"});
+  CHECK(none.code == 2);
+  CHECK_THAT(none.err, Contains("unknown family 'windws'") && Contains("windows"));
+}
+
+TEST_CASE("check tells everything that is wrong with every file") {
+  const TemporaryFolder folder;
+  write_text(folder / "good.yaml", pipeline_text());
+  write_text(folder / "sensor.yaml", sensor_text());
+  const Ended good = run_aslio({"check", folder / "good.yaml", folder / "sensor.yaml"});
+  INFO(good.err);
+  CHECK(good.code == 0);
+  CHECK_THAT(good.out, Contains("good.yaml: ok (pipeline)") && Contains("sensor.yaml: ok (sensor)"));
+  write_text(folder / "bad.yaml", pipeline_text("max_sped: 1\n"));
+  write_text(folder / "worse.yaml", sensor_text("acc_unit: furlong\nmin_range: -1\n"));
+  const Ended bad = run_aslio({"check", folder / "bad.yaml", folder / "good.yaml", folder / "worse.yaml"});
+  CHECK(bad.code == 2);
+  CHECK_THAT(bad.out, Contains("good.yaml: ok"));
+  CHECK_THAT(bad.err, Contains("max_sped") && Contains("furlong") && Contains("min_range"));
+  write_text(folder / "what.yaml", "window: fixed\n");
+  CHECK(run_aslio({"check", folder / "what.yaml"}).code == 2);
+  CHECK(run_aslio({"check", folder / "missing.yaml"}).code == 2);
+}
+
+TEST_CASE("describe gives every parameter with its default, unit and meaning") {
+  const Ended ended = run_aslio({"describe", "windows/fixed"});
+  CHECK(ended.code == 0);
+  CHECK_THAT(ended.out, Contains("period") && Contains("0.1") && Contains("time between updates"));
+  const Ended wrong = run_aslio({"describe", "windows/fixd"});
+  CHECK(wrong.code == 2);
+  CHECK_THAT(wrong.err, Contains("fixd") && Contains("fixed"));
+}
+
+TEST_CASE("diff tells what differs in meaning, not in spelling") {
+  const TemporaryFolder folder;
+  write_text(folder / "a.yaml", pipeline_text());
+  write_text(folder / "b.yaml", "# the same, with a default spelled out\n" + pipeline_text("max_speed: 30.0\n"));
+  const Ended same = run_aslio({"diff", folder / "a.yaml", folder / "b.yaml"});
+  INFO(same.err);
+  CHECK(same.code == 0);
+  CHECK_THAT(same.out, Contains("no difference"));
+  write_text(folder / "c.yaml", pipeline_text("max_speed: 20\n"));
+  const Ended other = run_aslio({"diff", folder / "a.yaml", folder / "c.yaml"});
+  CHECK(other.code == 0);
+  CHECK_THAT(other.out, Contains("max_speed") && Contains("30") && Contains("20") && !Contains("period"));
+}
+
+TEST_CASE("inspect tells topics, units and point times, and exits with 3 when unusable") {
+  const TemporaryFolder folder;
+  write_bag(folder / "good.bag", Recording{.duration = 1.5});
+  const Ended good = run_aslio({"inspect", folder / "good.bag"});
+  INFO(good.err);
+  CHECK(good.code == 0);
+  CHECK_THAT(good.out, Contains("/livox/lidar") && Contains("/livox/imu") && Contains("CustomMsg") && Contains("200"));
+  write_bag(folder / "no_imu.bag", Recording{.duration = 0.5, .imu = false});
+  const Ended bad = run_aslio({"inspect", folder / "no_imu.bag"});
+  CHECK(bad.code == 3);
+  CHECK_THAT(bad.err, Contains("unusable") && Contains("IMU"));
+}
+
+TEST_CASE("evaluate measures a trajectory against a reference") {
+  const TemporaryFolder folder;
+  write_truth(folder / "truth.tum");
+  const Ended text = run_aslio({"evaluate", folder / "truth.tum", "--reference", folder / "truth.tum"});
+  INFO(text.err);
+  CHECK(text.code == 0);
+  CHECK_THAT(text.out, Contains("absolute error") && Contains("relative error"));
+  const Ended json = run_aslio({"evaluate", folder / "truth.tum", "--reference", folder / "truth.tum", "--json"});
+  CHECK(json.code == 0);
+  CHECK(json.out.front() == '{');
+  write_text(folder / "broken.tum", "1.0 2 3\n");
+  const Ended broken = run_aslio({"evaluate", folder / "broken.tum", "--reference", folder / "truth.tum"});
+  CHECK(broken.code == 3);
+  CHECK_THAT(broken.err, Contains("broken.tum:1"));
+}

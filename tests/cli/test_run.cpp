@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "aslio/io/source.hpp"
+#include "aslio/io/writers.hpp"
+#include "fixture.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+using Catch::Matchers::Contains;
+using Json = nlohmann::json;
+
+namespace {
+
+Json json(const std::filesystem::path& file) { return Json::parse(content(file)); }
+
+}  // namespace
+
+TEST_CASE("a run leaves its files, with the columns that are documented") {
+  const Bench bench;
+  const Ended ended = bench.run("out", {"--dense", "--save-map", bench / "map.ply"});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  CHECK_THAT(ended.out, Contains("status       ok"));
+  const auto out = bench / "out";
+  const std::string csv = content(out / "updates.csv");
+  CHECK(csv.substr(0, csv.find('\n')) ==
+        "t_ns,window_begin_ns,status,n_fresh,n_history,sod,layer_0,layer_1,layer_2,layer_3,layer_4,layer_5,layer_6,"
+        "layer_7,seg_time,shift_time_s,echo,iterations,n_matches,eig_1,eig_2,eig_3,eig_4,eig_5,eig_6,digest");
+  const auto poses = io::read_tum(out / "trajectory.tum");
+  const auto stamps = column(out / "updates.csv", "t_ns");
+  REQUIRE(poses.size() == stamps.size());
+  REQUIRE(poses.size() >= 15);
+  for (std::size_t i = 0; i < poses.size(); ++i) CHECK(std::to_string(poses[i].t) == stamps[i]);
+  CHECK(poses.front().T.p.norm() < 0.02);
+  const auto sod = column(out / "updates.csv", "sod");
+  CHECK(sod.front().empty());  // nothing to compare the first frame with
+  CHECK(std::stod(sod.back()) > 0.3);
+  CHECK(std::stod(sod.back()) <= 1.0);
+  const auto lidar = io::read_tum(out / "trajectory_lidar.tum");
+  REQUIRE(lidar.size() == poses.size());
+  CHECK((lidar[3].T.p - poses[3].T * Vec3(0.04165, 0.02326, -0.0284)).norm() < 1e-6);
+  CHECK(io::read_tum(out / "trajectory_dense.tum").size() >= poses.size());
+  CHECK(column(out / "timings.csv", "solve_s").size() == poses.size());
+  const std::string map = content(bench / "map.ply");
+  CHECK_THAT(map.substr(0, 200), Contains("element vertex"));
+  CHECK(map.size() > 10000);
+}
+
+TEST_CASE("the summary tells what the run amounts to, the manifest what was run") {
+  const Bench bench;
+  write_truth(bench / "truth.tum");
+  const Ended ended = bench.run("out", {"--reference", bench / "truth.tum", "--seed", "7", "--set", "max_speed=25"});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  const Json summary = json(bench / "out/summary.json");
+  CHECK(summary.at("status") == "ok");
+  CHECK(summary.at("coverage").get<double>() > 0.95);
+  CHECK(summary.at("updates").get<std::size_t>() == line_count(bench / "out/trajectory.tum"));
+  CHECK(summary.at("rate_hz").at("median").get<double>() == Approx(10.0).epsilon(0.05));
+  CHECK(summary.at("data_s").get<double>() == Approx(2.0).epsilon(0.1));
+  CHECK(summary.at("cpu_s").get<double>() > 0.0);
+  CHECK(summary.at("peak_rss_mb").get<double>() > 1.0);
+  CHECK(summary.at("counts").at("packets").get<int>() >= 19);
+  CHECK(summary.at("counts").at("imu").get<int>() >= 390);
+  CHECK(summary.at("metrics").at("ate_m").get<double>() < 0.05);
+  CHECK(summary.at("metrics").at("matched").get<double>() == Approx(1.0));
+  CHECK(summary.at("metrics").at("end_to_end_m").is_number());
+  const Json manifest = json(bench / "out/manifest.json");
+  CHECK(manifest.at("input").at("sha256") == io::input_digest(bench / "recording.bag"));
+  CHECK(manifest.at("seeds").at("order") == 7);
+  CHECK(manifest.at("threads") == 1);
+  CHECK(manifest.at("overrides") == Json::array({"max_speed=25"}));
+  CHECK_THAT(manifest.at("build").at("compiler").get<std::string>(), Contains("GNU") || Contains("Clang"));
+  CHECK(manifest.at("command_line").at(1) == "run");
+  const auto stages = manifest.at("stages").get<std::vector<std::string>>();
+  CHECK(std::find(stages.begin(), stages.end(), "windows/fixed") != stages.end());
+}
+
+TEST_CASE("one and two threads, and a second run, give the same trajectory to the bit") {
+  const Bench bench;
+  REQUIRE(bench.run("one", {"--threads", "1"}).code == 0);
+  REQUIRE(bench.run("two", {"--threads", "2"}).code == 0);
+  REQUIRE(bench.run("again", {"--threads", "1"}).code == 0);
+  const std::string digest = io::input_digest(bench / "one/trajectory.tum");
+  REQUIRE(line_count(bench / "one/trajectory.tum") > 10);
+  CHECK(io::input_digest(bench / "two/trajectory.tum") == digest);
+  CHECK(io::input_digest(bench / "again/trajectory.tum") == digest);
+  CHECK(content(bench / "two/updates.csv") == content(bench / "one/updates.csv"));
+}
+
+TEST_CASE("resolved.yaml makes the run again, overrides included") {
+  const Bench bench;
+  REQUIRE(bench.run("plain").code == 0);
+  REQUIRE(bench.run("set", {"--set", "window.period=0.05", "--set", "samplers.1.keep_every=5"}).code == 0);
+  CHECK(5 * line_count(bench / "set/trajectory.tum") > 9 * line_count(bench / "plain/trajectory.tum"));
+  std::filesystem::copy_file(bench / "set/resolved.yaml", bench / "pipeline.yaml",
+                             std::filesystem::copy_options::overwrite_existing);
+  REQUIRE(bench.run("again").code == 0);
+  CHECK(content(bench / "again/trajectory.tum") == content(bench / "set/trajectory.tum"));
+  CHECK(content(bench / "again/resolved.yaml") == content(bench / "set/resolved.yaml"));
+}
+
+TEST_CASE("a section of the data is a section of the trajectory") {
+  const Bench bench;
+  REQUIRE(bench.run("section", {"--start", "0.5", "--duration", "1.0"}).code == 0);
+  const auto poses = io::read_tum(bench / "section/trajectory.tum");
+  REQUIRE(poses.size() >= 6);
+  CHECK(to_seconds(poses.back().t - poses.front().t) < 1.01);
+}
+
+TEST_CASE("a second run replaces the files of the first") {
+  const Bench bench;
+  REQUIRE(bench.run("out", {"--dense"}).code == 0);
+  REQUIRE(bench.run("out", {"--duration", "1"}).code == 0);
+  CHECK_FALSE(std::filesystem::exists(bench / "out/trajectory_dense.tum"));
+  CHECK(json(bench / "out/summary.json").at("updates").get<std::size_t>() == line_count(bench / "out/trajectory.tum"));
+  for (const auto& entry : std::filesystem::directory_iterator(bench / "out")) {
+    CHECK(entry.path().extension() != ".part");
+  }
+}
+
+TEST_CASE("progress is plain lines away from a terminal, and nothing with --quiet") {
+  const Bench bench;
+  const Ended loud = bench.run("loud");
+  CHECK_THAT(loud.err, Contains("imu acceleration: g"));
+  CHECK(loud.err.find('\r') == std::string::npos);
+  const Ended quiet = bench.run("quiet", {"--quiet"});
+  CHECK(quiet.code == 0);
+  CHECK(quiet.out.empty());
+  CHECK(quiet.err.empty());
+}
