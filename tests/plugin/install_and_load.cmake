@@ -14,7 +14,7 @@ run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
 run(${CMAKE_COMMAND} -S ${EXAMPLE_DIR} -B ${build} -G Ninja -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX})
 run(${CMAKE_COMMAND} --build ${build})
 run(${CMAKE_COMMAND} -E env ASLIO_TEST_EXAMPLE=${build}/my_window.so
-    ${TEST} "The example is listed, described, read from YAML, made and called")
+    ${TEST} "The example is listed*")  # a comma in a name would separate two filters
 if(NOT output MATCHES "All tests passed")
   message(FATAL_ERROR "the test of the example did not run:\n${output}")
 endif()
