@@ -81,7 +81,7 @@ TEST_CASE("Unknown keys without a near name list the known ones") {
         "a.yaml:3:29: unknown key 'boxes.0.lable' (did you mean 'label'?)");
 }
 
-TEST_CASE("Numbers are decimal, finite and unquoted; nothing is guessed") {
+TEST_CASE("Numbers are decimal, finite and unquoted, nothing is guessed") {
   const std::string real = "a.yaml:4:11: 'window.period' must be a finite decimal number [s], is ";
   for (const std::string bad : {"010", ".nan", ".inf", "0x10", "1_000", "1e999", "one", "1.5s", "00.5", "1e", "."}) {
     CHECK(pendulum_error(std::string("period: ").append(bad)) == real + '\'' + bad + '\'');

@@ -30,7 +30,7 @@ TEST_CASE("Overrides replace, add and append") {
   CHECK(after("a: 1", {{"a=2"}, {"a=3"}}) == "{a: 3}");
 }
 
-TEST_CASE("A new type drops the keys of the old one; a block replaces a block") {
+TEST_CASE("A new type drops the keys of the old one, a block replaces a block") {
   CHECK(after("w: {type: x, period: 1, n: {m: 2}}", {{"w.type=y"}, {"w.k=3"}}) == "{w: {type: y, k: 3}}");
   CHECK(after("w: x", {{"w.type=y"}}) == "{w: {type: y}}");
   CHECK(after("w: x", {{"w.period=2"}}) == "{w: {type: x, period: 2}}");

@@ -210,7 +210,7 @@ TEST_CASE("Two shared objects with one type are told apart by their paths") {
                                                        .append(": rename one of them")));
 }
 
-TEST_CASE("ASLIO_PLUGIN_PATH: every .so of its directories, by name; a file that comes up twice counts once") {
+TEST_CASE("ASLIO_PLUGIN_PATH: every .so of its directories, by name, and a file that comes up twice counts once") {
   const Folder folder("path");
   fs::copy_file(example(), folder.path / "b.so");
   fs::copy_file(kObjects / "taken.so", folder.path / "a.so");
