@@ -1,0 +1,193 @@
+#include <sys/resource.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "aslio/core/errors.hpp"
+#include "io/bag_fixture.hpp"
+
+namespace aslio::io::test {
+namespace {
+
+struct Outcome {
+  bool refused = false;
+  std::size_t messages = 0;
+  InputStatus status = InputStatus::complete;
+};
+
+/// Reads everything; a refusal must name the file.
+Outcome read_all(const std::filesystem::path& path) {
+  Outcome outcome;
+  try {
+    rosbag::BagReader reader(path);
+    rosbag::BagMessage message;
+    while (reader.next(message)) ++outcome.messages;
+    outcome.status = reader.status();
+  } catch (const DataError& error) {
+    outcome.refused = true;
+    REQUIRE(contains(error.what(), path.filename().string()));
+  }
+  return outcome;
+}
+
+Recording small(rosbag::Compression compression, bool index) {
+  Recording recording;
+  recording.seconds = 0.15;
+  recording.points = 3;
+  recording.options = {compression, 1500, index};
+  return recording;
+}
+
+/// Resident memory [bytes].
+std::size_t resident() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t total = 0, resident_pages = 0;
+  file >> total >> resident_pages;
+  return resident_pages * 4096;
+}
+
+void replace(std::vector<std::uint8_t>& bytes, std::size_t from, const std::string& key, std::uint32_t value) {
+  const auto at = std::search(bytes.begin() + static_cast<std::ptrdiff_t>(from), bytes.end(), key.begin(), key.end());
+  REQUIRE(at != bytes.end());
+  for (std::size_t i = 0; i < 4; ++i) {
+    *(at + static_cast<std::ptrdiff_t>(key.size() + i)) = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a bag cut at any byte yields its whole messages and says that it is cut") {
+  const auto compression = GENERATE(rosbag::Compression::none, rosbag::Compression::lz4);
+  TemporaryFolder folder;
+  small(compression, true).write(folder / "whole.bag");
+  const auto bytes = read_bytes(folder / "whole.bag");
+  const std::size_t all = read_all(folder / "whole.bag").messages;
+  REQUIRE(all == 17);
+  std::size_t last = 0;
+  bool monotone = true, said = true, refused_late = false;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    write_bytes(folder / "cut.bag", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+    const Outcome outcome = read_all(folder / "cut.bag");
+    refused_late = refused_late || (outcome.refused && size >= 4096 + 13);
+    if (outcome.refused) continue;
+    monotone = monotone && outcome.messages >= last;
+    said = said && outcome.status == InputStatus::truncated;
+    last = outcome.messages;
+  }
+  CHECK(monotone);
+  CHECK(said);
+  CHECK_FALSE(refused_late);
+  CHECK(last == all);
+}
+
+TEST_CASE("a truncated bag still plays as a source") {
+  TemporaryFolder folder;
+  Recording{}.write(folder / "a.bag");
+  std::filesystem::resize_file(folder / "a.bag", std::filesystem::file_size(folder / "a.bag") * 6 / 10);
+  const auto source = open_source(folder / "a.bag", {});
+  const Counts counts = drain(*source);
+  CHECK(counts.imu > 100);
+  CHECK(counts.imu < 150);
+  CHECK(source->status() == InputStatus::truncated);
+  CHECK(contains(source->notes().warnings, "cut short"));
+}
+
+TEST_CASE("flipped bits never crash the reader nor fill the memory") {
+  const auto compression = GENERATE(rosbag::Compression::none, rosbag::Compression::lz4);
+  const bool index = GENERATE(true, false);
+  TemporaryFolder folder;
+  small(compression, index).write(folder / "whole.bag");
+  const auto bytes = read_bytes(folder / "whole.bag");
+  std::mt19937 random(7);
+  const std::size_t before = resident();
+  std::size_t refused = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    auto damaged = bytes;
+    for (int flip = 0; flip < 1 + trial % 4; ++flip) {
+      // The padding of the header would take most of the hits.
+      const bool header = random() % 8 == 0;
+      const std::size_t at = header ? random() % 100 : 4100 + random() % (bytes.size() - 4100);
+      damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ (1U << (random() % 8)));
+    }
+    write_bytes(folder / "damaged.bag", damaged);
+    refused += read_all(folder / "damaged.bag").refused ? 1 : 0;
+  }
+  CHECK(refused > 100);
+  CHECK(refused < 2000);
+  CHECK(resident() < before + (64U << 20U));
+}
+
+TEST_CASE("a length of 0xFFFFFFFF anywhere is survived in bounded memory") {
+  const auto compression = GENERATE(rosbag::Compression::none, rosbag::Compression::lz4);
+  TemporaryFolder folder;
+  small(compression, true).write(folder / "whole.bag");
+  const auto bytes = read_bytes(folder / "whole.bag");
+  const std::size_t before = resident();
+  std::size_t refused = 0;
+  for (std::size_t at = 13; at + 4 <= bytes.size(); at = at == 100 ? 4109 : at + 1) {
+    auto damaged = bytes;
+    std::fill_n(damaged.begin() + static_cast<std::ptrdiff_t>(at), 4, std::uint8_t{0xFF});
+    write_bytes(folder / "damaged.bag", damaged);
+    refused += read_all(folder / "damaged.bag").refused ? 1 : 0;
+  }
+  CHECK(refused > 100);
+  CHECK(resident() < before + (64U << 20U));
+}
+
+TEST_CASE("a chunk that claims to decompress a thousandfold is refused before it is decompressed") {
+  TemporaryFolder folder;
+  Recording recording = small(rosbag::Compression::lz4, true);
+  recording.write(folder / "bomb.bag");
+  auto bytes = read_bytes(folder / "bomb.bag");
+  SECTION("beyond the ratio") {
+    replace(bytes, 4109, "size=", 2'000'000);
+    write_bytes(folder / "bomb.bag", bytes);
+    CHECK(contains(data_error([&] { drain(*open_source(folder / "bomb.bag", {})); }), "200 times"));
+  }
+  SECTION("beyond the limit of a chunk") {
+    replace(bytes, 4109, "size=", 100U << 20U);
+    write_bytes(folder / "bomb.bag", bytes);
+    CHECK(contains(data_error([&] { drain(*open_source(folder / "bomb.bag", {})); }), "at most 67108864"));
+  }
+  SECTION("more than declared") {
+    replace(bytes, 4109, "size=", 1000);
+    write_bytes(folder / "bomb.bag", bytes);
+    CHECK(contains(data_error([&] { drain(*open_source(folder / "bomb.bag", {})); }), "more than the 1000 bytes"));
+  }
+}
+
+TEST_CASE("limits can be set") {
+  TemporaryFolder folder;
+  small(rosbag::Compression::none, true).write(folder / "a.bag");
+  rosbag::Limits limits;
+  SECTION("connections") { limits.connections = 1; }
+  SECTION("header bytes") { limits.header_bytes = 60; }
+  SECTION("record bytes") { limits.record_bytes = 1000; }
+  rosbag::BagMessage message;
+  CHECK_FALSE(data_error([&] {
+                rosbag::BagReader reader(folder / "a.bag", limits);
+                while (reader.next(message)) {
+                }
+              }).empty());
+}
+
+TEST_CASE("a damaged index costs no message") {
+  TemporaryFolder folder;
+  small(rosbag::Compression::none, true).write(folder / "a.bag");
+  auto bytes = read_bytes(folder / "a.bag");
+  const std::string key = "chunk_pos=";
+  const auto at = std::find_end(bytes.begin(), bytes.end(), key.begin(), key.end());
+  REQUIRE(at != bytes.end());
+  *(at + 14) = 0xFF;
+  write_bytes(folder / "a.bag", bytes);
+  rosbag::BagReader reader(folder / "a.bag");
+  rosbag::BagMessage message;
+  std::size_t count = 0;
+  while (reader.next(message)) ++count;
+  CHECK(count == 17);
+  CHECK(contains(reader.warnings(), "index is damaged"));
+}
+
+}  // namespace aslio::io::test

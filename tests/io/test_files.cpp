@@ -1,0 +1,164 @@
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <random>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/io/cloud_file.hpp"
+#include "aslio/io/writers.hpp"
+#include "io/bag_fixture.hpp"
+
+namespace aslio::io::test {
+namespace {
+
+std::string text_of(const std::filesystem::path& path) {
+  const auto bytes = read_bytes(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::size_t entries(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
+}
+
+}  // namespace
+
+TEST_CASE("a file stands under its name only once it is whole") {
+  TemporaryFolder folder;
+  {
+    AtomicFile file(folder / "a.txt");
+    file.write("half");
+    CHECK_FALSE(std::filesystem::exists(folder / "a.txt"));
+  }
+  CHECK(entries(folder.path()) == 0);
+  AtomicFile file(folder / "a.txt");
+  file.write("0000 and the rest");
+  file.patch(0, "1234");
+  file.write(".");
+  CHECK(file.position() == 18);
+  CHECK_THROWS_AS(file.patch(16, "abc"), DataError);
+  file.close();
+  CHECK(text_of(folder / "a.txt") == "1234 and the rest.");
+  CHECK(entries(folder.path()) == 1);
+}
+
+TEST_CASE("a full disk and an unwritable folder are errors that name the path") {
+  const auto fill = [] {
+    AtomicFile file("/dev/full");
+    for (int i = 0; i < 100; ++i) file.write(std::string(10'000, 'x'));
+    file.close();
+  };
+  CHECK(contains(data_error(fill), "/dev/full: cannot write: No space left"));
+  const auto late = [] {
+    AtomicFile file("/dev/full");
+    file.write("small enough for the buffer");
+    file.close();
+  };
+  CHECK(contains(data_error(late), "No space left"));
+  TemporaryFolder folder;
+  CHECK(contains(data_error([&] { AtomicFile file(folder.path() / "absent" / "a.txt"); }), "create the folder first"));
+  CHECK(contains(data_error([&] { AtomicFile file(folder.path()); }), "Is a directory"));
+  if (::geteuid() != 0) {  // root may write anywhere
+    std::filesystem::permissions(folder.path(),
+                                 std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+    CHECK(contains(data_error([&] { AtomicFile file(folder / "a.txt"); }), "Permission denied"));
+    std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
+  }
+  CHECK(contains(data_error([] { AtomicFile file("/proc/a.txt"); }), "/proc/a.txt: cannot create"));
+}
+
+TEST_CASE("a trajectory comes back from TUM with exact times") {
+  TemporaryFolder folder;
+  std::mt19937_64 random(3);
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < 200; ++i) {
+    StampedPose pose;
+    pose.t = 1'600'000'000 * kSecond + static_cast<TimeNs>(random() % 1'000'000'000) + i * kSecond;
+    const auto unit = [&] { return static_cast<double>(random() % 2001) / 1000.0 - 1.0; };
+    pose.T = {exp_so3(3.0 * Vec3(unit(), unit(), unit())), 100.0 * Vec3(unit(), unit(), unit())};
+    poses.push_back(pose);
+  }
+  poses.insert(poses.begin(), StampedPose{-1'500'000'001, {}});
+  write_tum(folder / "t.tum", poses);
+  const auto back = read_tum(folder / "t.tum");
+  REQUIRE(back.size() == poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    REQUIRE(back[i].t == poses[i].t);
+    REQUIRE(back[i].T.p == poses[i].T.p);
+    REQUIRE((back[i].T.R - poses[i].T.R).norm() < 1e-14);
+  }
+}
+
+TEST_CASE("lines of TUM and KITTI") {
+  StampedPose pose{1'600'000'000'000'000'001, {exp_so3(Vec3(0, 0, 4.0)), Vec3(1, -2.5, 0.1)}};
+  const std::string line = tum_line(pose);
+  CHECK(line.starts_with("1600000000.000000001 1 -2.5 0.1 "));
+  CHECK(line.back() == '\n');
+  CHECK(std::stod(line.substr(line.rfind(' '))) > 0);  // w
+  CHECK(kitti_line({Mat3::Identity(), Vec3(1, 2, 3)}) == "1 0 0 1 0 1 0 2 0 0 1 3\n");
+  TemporaryFolder folder;
+  const std::vector<StampedPose> two{pose, pose};
+  write_kitti(folder / "k.txt", two);
+  CHECK(text_of(folder / "k.txt") == kitti_line(pose.T) + kitti_line(pose.T));
+}
+
+TEST_CASE("errors in a TUM file name the line") {
+  TemporaryFolder folder;
+  const auto error = [&](const std::string& line) {
+    std::ofstream(folder / "t.tum") << "# comment\n0 0 0 0 0 0 0 1\n\n" << line << '\n';
+    return data_error([&] { read_tum(folder / "t.tum"); });
+  };
+  CHECK(error("1.5 1 2 3 0 0 0 1").empty());
+  CHECK(error("1.60000000012345678e+09 1 2 3 0 0 0 1").empty());
+  CHECK(contains(error("1 2 3"), "t.tum:4: 3 columns"));
+  CHECK(contains(error("1 2 3 4 0 0 0 1 9"), "9 columns"));
+  CHECK(contains(error("1,5 1 2 3 0 0 0 1"), "not a time in seconds: '1,5'"));
+  CHECK(contains(error("1 nan 2 3 0 0 0 1"), "not a finite number: 'nan'"));
+  CHECK(contains(error("1 1 2 x 0 0 0 1"), "t.tum:4: not a finite number: 'x'"));
+  CHECK(contains(error("1 1 2 3 0 0 0 0"), "norm 0"));
+  CHECK(contains(data_error([&] { read_tum(folder / "absent"); }), "absent"));
+}
+
+TEST_CASE("maps are written and read back") {
+  const std::string name = GENERATE("map.ply", "map.pcd");
+  const int count = GENERATE(0, 1000);
+  TemporaryFolder folder;
+  const auto writer = open_map_writer(folder / name);
+  for (int i = 0; i < count; ++i) {
+    writer->add({static_cast<float>(i), -0.5F, 1e-3F * static_cast<float>(i)}, static_cast<float>(i % 7));
+  }
+  CHECK_FALSE(std::filesystem::exists(folder / name));
+  writer->close();
+  const std::string text = text_of(folder / name);
+  const std::string end = name == "map.ply" ? "end_header\n" : "DATA binary\n";
+  CHECK(text.size() == text.find(end) + end.size() + 16 * static_cast<std::size_t>(count));
+#ifdef ASLIO_TEST_PCL
+  if (count == 0) return;  // PCL refuses empty clouds
+  const auto points = read_cloud(folder / name);
+  REQUIRE(points.size() == 1000);
+  CHECK(points[999].p == Eigen::Vector3f(999.0F, -0.5F, 1e-3F * 999.0F));
+  CHECK(points[999].intensity == 5.0F);
+#endif
+}
+
+TEST_CASE("unknown map formats are refused") {
+  TemporaryFolder folder;
+  CHECK_THROWS_AS(open_map_writer(folder / "map.xyz"), ConfigError);
+  CHECK_THROWS_AS(read_cloud(folder / "map.xyz"), ConfigError);
+#ifdef ASLIO_TEST_PCL
+  const auto refusal = [&](const std::string& name, const std::string& text) {
+    write_bytes(folder / name, std::vector<std::uint8_t>(text.begin(), text.end()));
+    return data_error([&] { read_cloud(folder / name); });
+  };
+  CHECK(contains(refusal("bad.pcd", "no"), "bad.pcd: not a PCD file: its header lacks 'FIELDS'"));
+  CHECK(contains(refusal("bad.ply", "ply\nformat ascii"), "lacks 'element vertex'"));
+  const std::string head = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+  CHECK(
+      contains(refusal("big.pcd", head + "WIDTH 4000000000\nHEIGHT 4000000000\nPOINTS 1\nDATA binary\n"), "too short"));
+  CHECK(contains(refusal("big.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nend_header\n"),
+                 "too short"));
+#endif
+}
+
+}  // namespace aslio::io::test

@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <numbers>
+
+#include "io/bag_fixture.hpp"
+
+namespace aslio::io::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A drive of five scans of four points (front, left, rear, right) and IMU at 10 Hz.
+fs::path write_drive(const fs::path& root, int missing_scan = -1) {
+  const fs::path drive = root / "2011_09_26" / "2011_09_26_drive_0001_sync";
+  fs::create_directories(drive / "velodyne_points" / "data");
+  fs::create_directories(drive / "oxts" / "data");
+  std::ofstream start(drive / "velodyne_points" / "timestamps_start.txt");
+  std::ofstream end(drive / "velodyne_points" / "timestamps_end.txt");
+  std::ofstream imu(drive / "oxts" / "timestamps.txt");
+  for (int i = 0; i < 5; ++i) {
+    start << fmt::format("2011-09-26 13:04:32.{:09d}\n", i * 100'000'000);
+    end << fmt::format("2011-09-26 13:04:32.{:09d}\n", (i + 1) * 100'000'000);
+    imu << fmt::format("2011-09-26 13:04:32.{:09d}\n", i * 100'000'000 + 50'000'000);
+    std::ofstream packet(drive / "oxts" / "data" / fmt::format("{:010d}.txt", i));
+    for (int column = 0; column < 30; ++column) packet << (column == 13 ? 9.8 : 0.01 * column) << ' ';
+    if (i == missing_scan) continue;
+    std::ofstream scan(drive / "velodyne_points" / "data" / fmt::format("{:010d}.bin", i), std::ios::binary);
+    const std::vector<float> points{5, 0, 0, 0.1F, 0, 5, 0, 0.2F, -5, -1e-6F, 0, 0.3F, 0, -5, 0, 0.4F};
+    scan.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(points.size() * 4));
+  }
+  std::ofstream(root / "2011_09_26" / "calib_imu_to_velo.txt")
+      << "calib_time: x\nR: 1 0 0 0 1 0 0 0 1\nT: -0.8 0.3 -0.7\n";
+  return drive;
+}
+
+SensorConfig calibrated() {
+  SensorConfig sensor;
+  sensor.model.T_imu_lidar.p = Vec3(0.8, -0.3, 0.7);
+  return sensor;
+}
+
+}  // namespace
+
+TEST_CASE("a drive is found from its folder, its date and its root") {
+  TemporaryFolder folder;
+  const fs::path drive = write_drive(folder.path());
+  for (const fs::path& path : {drive, drive.parent_path(), folder.path()}) {
+    const auto source = open_source(path, calibrated());
+    const Counts counts = drain(*source);
+    CHECK(counts.packets == 5);
+    CHECK(counts.imu == 5);
+    CHECK(contains(source->notes().verdicts, "IMU at 10.0 Hz: interpolated"));
+    CHECK_FALSE(contains(source->notes().warnings, "calib_imu_to_velo"));
+  }
+  CHECK(contains(open_source(drive, {})->notes().warnings, "calib_imu_to_velo"));
+  fs::create_directories(folder / "other/velodyne_points");
+  fs::create_directories(folder / "other/oxts");
+  CHECK(contains(data_error([&] { open_source(folder.path(), {}); }), "contains 2 drives"));
+}
+
+TEST_CASE("points are timed by azimuth: from the rear over the left, the sensor turning clockwise") {
+  TemporaryFolder folder;
+  const auto source = open_source(write_drive(folder.path()), calibrated());
+  while (const auto measurement = source->next()) {
+    const auto* packet = std::get_if<LidarPacket>(&*measurement);
+    if (packet == nullptr) {
+      CHECK(std::get<ImuSample>(*measurement).gyro.isApprox(Vec3(0.17, 0.18, 0.19)));
+      continue;
+    }
+    REQUIRE(packet->points.size() == 4);
+    CHECK(packet->points[0].t - packet->stamp == 50'000'000);
+    CHECK(packet->points[1].t - packet->stamp == 25'000'000);
+    CHECK(std::abs(packet->points[2].t - packet->stamp - 100'000'000) < 10);
+    CHECK(packet->points[3].t - packet->stamp == 75'000'000);
+  }
+  // 2011-09-26 13:04:32 UTC
+  CHECK(*source->begin_time() == 1'317'042'272 * kSecond);
+}
+
+TEST_CASE("missing and damaged files of a drive") {
+  TemporaryFolder folder;
+  const fs::path drive = write_drive(folder.path(), 2);
+  const auto source = open_source(drive, calibrated());
+  CHECK(contains(source->notes().warnings, "1 scans are listed but missing"));
+  CHECK(drain(*source).packets == 4);
+  fs::resize_file(drive / "velodyne_points/data/0000000003.bin", 39);
+  const auto cut = open_source(drive, calibrated());
+  CHECK(drain(*cut).points == 14);
+  CHECK(cut->status() == InputStatus::truncated);
+  std::ofstream(drive / "oxts/data/0000000001.txt") << "1 2 x";
+  CHECK(contains(data_error([&] { open_source(drive, {}); }), "0000000001.txt:1:"));
+  std::ofstream(drive / "oxts/timestamps.txt") << "2011-09-26 13:04:32.000000000\nyesterday\n";
+  CHECK(contains(data_error([&] { open_source(drive, {}); }), "timestamps.txt:2: 'yesterday'"));
+  CHECK(contains(data_error([&] { open_source(folder.path() / "2011_09_26" / "..", {}); }), "timestamps.txt:2"));
+}
+
+TEST_CASE("inspection of a drive") {
+  TemporaryFolder folder;
+  const InputReport report = inspect(write_drive(folder.path()), calibrated());
+  CHECK(report.usable);
+  CHECK(report.kind == "KITTI raw drive");
+  CHECK(report.topics.size() == 2);
+  CHECK(contains(render(report), "interpolated"));
+}
+
+}  // namespace aslio::io::test

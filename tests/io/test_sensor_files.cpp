@@ -1,0 +1,70 @@
+#include <catch2/catch.hpp>
+
+#include "aslio/config/load.hpp"
+#include "aslio/core/errors.hpp"
+#include "io/bag_fixture.hpp"
+
+namespace aslio::io::test {
+namespace {
+
+class NoStages final : public config::StageLookup {
+ public:
+  const config::StageEntry* find(std::string_view, std::string_view) const override { return nullptr; }
+  std::vector<std::string> families() const override { return {}; }
+  std::vector<std::string> types(std::string_view) const override { return {}; }
+};
+
+SensorConfig parse(const std::string& text) {
+  return config::parse<SensorConfig>("schema: aslio/sensor/1\n" + text, "s.yaml", config::FileKind::sensor, NoStages())
+      .value;
+}
+
+std::string error(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const ConfigError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("every shipped sensor file loads, and its dump reads back equal") {
+  for (const std::string name : {"livox_avia", "livox_mid360", "velodyne_vlp16", "kitti_hdl64", "ouster_os1"}) {
+    INFO(name);
+    const std::filesystem::path path = std::string(ASLIO_SOURCE_DIR "/configs/sensors/") + name + ".yaml";
+    const auto loaded = config::load<SensorConfig>(path, config::FileKind::sensor, NoStages());
+    const Mat3& R = loaded.value.model.T_imu_lidar.R;
+    CHECK((R.transpose() * R - Mat3::Identity()).norm() < 1e-12);
+    const auto again = config::parse<SensorConfig>(loaded.resolved, "dump", config::FileKind::sensor, NoStages());
+    CHECK(again.value.model.T_imu_lidar.R == R);
+    CHECK(again.value.model.T_imu_lidar.p == loaded.value.model.T_imu_lidar.p);
+    CHECK(again.resolved == loaded.resolved);
+  }
+}
+
+TEST_CASE("values of a sensor file") {
+  const SensorConfig sensor = parse(
+      "imu_topic: /imu\nacc_unit: g\ngyro_unit: deg_s\nlivox_tag_filter: false\nscan_lines: 4\n"
+      "T_imu_lidar: {translation: [1, 2, 3], rotation: [0, -1, 0, 1, 0, 0, 0, 0, 1]}\n");
+  CHECK(sensor.imu_topic == "/imu");
+  CHECK(sensor.acc_unit == AccUnit::g);
+  CHECK(sensor.gyro_unit == GyroUnit::deg_s);
+  CHECK_FALSE(sensor.livox_tag_filter);
+  CHECK(sensor.model.scan_lines == 4);
+  CHECK((sensor.model.T_imu_lidar * Vec3(1, 0, 0)).isApprox(Vec3(1, 3, 3)));
+}
+
+TEST_CASE("an extrinsic that is no rotation is refused at its place") {
+  const std::string skewed = error("T_imu_lidar:\n  rotation: [1, 0.1, 0, 0, 1, 0, 0, 0, 1]\n");
+  CHECK(contains(skewed, "s.yaml:3:"));
+  CHECK(contains(skewed, "not orthonormal"));
+  CHECK(contains(error("T_imu_lidar:\n  rotation: [1, 0, 0, 0, 1, 0, 0, 0, -1]\n"), "determinant -1"));
+  CHECK_FALSE(error("T_imu_lidar:\n  rotation: [1, 0, 0]\n").empty());
+  CHECK_FALSE(error("acc_noise: 0\n").empty());
+  CHECK(contains(error("min_range: 5\nmax_range: 4\n"), "max_range"));
+  CHECK_FALSE(error("acc_unit: feet\n").empty());
+}
+
+}  // namespace aslio::io::test

@@ -1,0 +1,253 @@
+#include <catch2/catch.hpp>
+#include <cstring>
+
+#include "aslio/core/errors.hpp"
+#include "io/bag_fixture.hpp"
+
+namespace aslio::io::test {
+
+TEST_CASE("livox messages of either package are read alike") {
+  const auto type = GENERATE(as<const rosbag::MessageType*>{}, &rosbag::kLivoxCustomMsg, &rosbag::kLivox2CustomMsg);
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar_type = *type;
+  recording.write(folder / "a.bag");
+  const auto source = open_source(folder / "a.bag", {});
+  std::uint32_t sweep = 0;
+  TimeNs last_imu = 0;
+  while (const auto measurement = source->next()) {
+    if (const auto* packet = std::get_if<LidarPacket>(&*measurement)) {
+      REQUIRE(packet->sweep_id == sweep);
+      REQUIRE(packet->points.size() == 20);
+      CHECK(packet->stamp == kStart + sweep * (kSecond / 10));
+      CHECK(packet->points.front().t == packet->stamp);
+      CHECK(packet->points.back().t == packet->stamp + 99'000'000);
+      CHECK(packet->points[3].x == 8.0F);
+      CHECK(packet->points[3].line == 3);
+      CHECK(packet->points[3].tag == 0x10);
+      CHECK(packet->points[3].intensity == 3.0F);
+      CHECK(packet->points[3].sweep_id == sweep);
+      ++sweep;
+    } else {
+      const TimeNs t = std::get<ImuSample>(*measurement).t;
+      CHECK(t > last_imu);
+      last_imu = t;
+    }
+  }
+  CHECK(sweep == 20);
+  CHECK(*source->begin_time() == kStart);
+  CHECK(*source->end_time() == kStart + 199 * kSecond / 100);
+}
+
+TEST_CASE("topics are found by type, and errors list what is there") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar_topic = "/front/lidar";
+  recording.imu_topic = "/front/imu";
+  recording.write(folder / "a.bag");
+  SensorConfig sensor;
+  CHECK(drain(*open_source(folder / "a.bag", sensor)).packets == 20);
+  sensor.lidar_topic = "/livox/lidar";
+  const std::string missing = data_error([&] { open_source(folder / "a.bag", sensor); });
+  CHECK(contains(missing, "no LiDAR topic '/livox/lidar'"));
+  CHECK(contains(missing, "/front/lidar [livox_ros_driver/CustomMsg]"));
+  CHECK(contains(missing, "/front/imu [sensor_msgs/Imu]"));
+  CHECK(contains(missing, "`lidar_topic`"));
+  sensor.lidar_topic = "/front/imu";
+  CHECK(contains(data_error([&] { open_source(folder / "a.bag", sensor); }), "is of type sensor_msgs/Imu"));
+}
+
+TEST_CASE("two topics of a kind must be chosen between, none is named") {
+  TemporaryFolder folder;
+  std::vector<std::uint8_t> bytes;
+  const auto write = [&](const std::string& name, bool imu, int lidars) {
+    rosbag::BagWriter bag(folder / name);
+    const auto add = [&](const std::string& topic, const rosbag::MessageType& type) {
+      return bag.add_connection(topic, std::string(type.name), std::string(type.md5), std::string(type.definition));
+    };
+    for (int k = 0; k < lidars; ++k) {
+      bag.write(add("/lidar" + std::to_string(k), rosbag::kLivoxCustomMsg), kStart, livox_message(kStart, kStart, 5));
+    }
+    rosbag::encode_imu({0, kStart, ""}, Vec3::Zero(), Vec3(0, 0, 9.8), bytes);
+    if (imu) bag.write(add("/imu", rosbag::kImu), kStart, bytes);
+    bag.close();
+  };
+  write("two.bag", true, 2);
+  write("no_imu.bag", false, 1);
+  write("no_lidar.bag", true, 0);
+  CHECK(contains(data_error([&] { open_source(folder / "two.bag", {}); }), "more than one LiDAR"));
+  SensorConfig sensor;
+  sensor.lidar_topic = "/lidar1";
+  CHECK(drain(*open_source(folder / "two.bag", sensor)).packets == 1);
+  CHECK(
+      contains(data_error([&] { open_source(folder / "no_imu.bag", {}); }), "there is no IMU topic (sensor_msgs/Imu)"));
+  CHECK(contains(data_error([&] { open_source(folder / "no_lidar.bag", {}); }), "there is no LiDAR"));
+}
+
+TEST_CASE("a message of a known name but another version is refused") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar_type.md5 = "00000000000000000000000000000000";
+  recording.write(folder / "a.bag");
+  SensorConfig sensor;
+  sensor.lidar_topic = "/livox/lidar";
+  CHECK(contains(data_error([&] { open_source(folder / "a.bag", sensor); }), "another version"));
+}
+
+TEST_CASE("a section is taken by data time") {
+  TemporaryFolder folder;
+  Recording{}.write(folder / "a.bag");
+  const auto source = open_source(folder / "a.bag", {}, {.start = 0.5, .duration = 1.0});
+  CHECK(*source->begin_time() == kStart + kSecond / 2);
+  CHECK(*source->end_time() == kStart + kSecond * 3 / 2);
+  const auto first = source->next();
+  REQUIRE(first);
+  CHECK(std::get<ImuSample>(*first).t == kStart + kSecond / 2);
+  const Counts rest = drain(*source);
+  CHECK(rest.imu == 99);
+  CHECK(rest.packets == 10);
+  CHECK(
+      contains(data_error([&] { open_source(folder / "a.bag", {}, {.start = 60, .duration = {}}); }), "starts at 60"));
+  CHECK_THROWS_AS(open_source(folder / "a.bag", {}, {.start = -1, .duration = {}}), ConfigError);
+}
+
+TEST_CASE("livox points that are noise, of an unknown line, or no return are dropped and counted") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar = [](int, TimeNs stamp) {
+    std::vector<rosbag::LivoxPoint> points(10, {1000, 5, 0, 0, 10, 0x10, 0});
+    for (std::size_t i = 0; i < 10; ++i) points[i].offset_time = static_cast<std::uint32_t>(9'000'000 * i);
+    points[1].tag = 0x20;
+    points[2].tag = 0x30;
+    points[3].tag = 0x0F;  // the lower bits speak of something else
+    points[4].line = 6;
+    points[5].x = std::numeric_limits<float>::quiet_NaN();
+    points[6].x = 0;
+    points[7].x = 1e30F;
+    points[8].offset_time = 0xFFFFFF00;  // wrapped
+    std::vector<std::uint8_t> out;
+    rosbag::encode_livox({0, stamp, ""}, stamp, 0, points, out);
+    return out;
+  };
+  recording.write(folder / "a.bag");
+  const Counts counts = drain(*open_source(folder / "a.bag", {}));
+  CHECK(counts.points == 3 * 20);
+  CHECK(counts.dropped == 7 * 20);
+  SensorConfig all;
+  all.livox_tag_filter = false;
+  CHECK(drain(*open_source(folder / "a.bag", all)).points == 5 * 20);
+}
+
+TEST_CASE("empty and one-point scans are delivered, zero times are refused") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar = [](int k, TimeNs stamp) { return livox_message(stamp, stamp, k < 3 ? k : 20); };
+  recording.write(folder / "a.bag");
+  CHECK(drain(*open_source(folder / "a.bag", {})).packets == 20);
+  recording.lidar = [](int, TimeNs stamp) {
+    const std::vector<rosbag::LivoxPoint> points(10, {0, 5, 0, 0, 10, 0x10, 0});
+    std::vector<std::uint8_t> out;
+    rosbag::encode_livox({0, stamp, ""}, stamp, 0, points, out);
+    return out;
+  };
+  recording.write(folder / "b.bag");
+  CHECK(contains(data_error([&] { open_source(folder / "b.bag", {}); }), "offset_time is 0 in all 10 points"));
+  SensorConfig lenient;
+  lenient.require_point_times = false;
+  CHECK(drain(*open_source(folder / "b.bag", lenient)).points == 200);
+}
+
+TEST_CASE("malformed messages are skipped and counted; a malformed first one is refused") {
+  TemporaryFolder folder;
+  const auto claims_more = [](TimeNs stamp) {
+    auto bytes = livox_message(stamp, stamp, 20);
+    const std::uint32_t many = 1'000'000;
+    std::memcpy(bytes.data() + 4 + 8 + 4 + 11 + 8 + 4 + 4, &many, 4);
+    return bytes;
+  };
+  Recording recording;
+  recording.lidar = [&](int k, TimeNs stamp) {
+    return k == 5 || k == 6 ? claims_more(stamp) : livox_message(stamp, stamp, 20);
+  };
+  recording.write(folder / "a.bag");
+  const auto source = open_source(folder / "a.bag", {});
+  CHECK(drain(*source).packets == 18);
+  CHECK(contains(source->notes().warnings, "2 malformed message(s) skipped"));
+  CHECK(contains(source->notes().warnings, "claims 1000000 points"));
+  recording.lidar = [&](int, TimeNs stamp) { return claims_more(stamp); };
+  recording.write(folder / "b.bag");
+  CHECK(contains(data_error([&] { open_source(folder / "b.bag", {}); }), "first message cannot be decoded"));
+}
+
+TEST_CASE("a time base of another clock gives way to the header stamp") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.timebase_shift = -1'500'000'000 * kSecond;
+  recording.write(folder / "a.bag");
+  const auto source = open_source(folder / "a.bag", {});
+  CHECK(contains(source->notes().warnings, "time base and header stamp differ"));
+  while (const auto measurement = source->next()) {
+    if (const auto* packet = std::get_if<LidarPacket>(&*measurement)) {
+      REQUIRE(packet->points.front().t == packet->stamp);
+    }
+  }
+}
+
+TEST_CASE("inspection tells what is there and whether it can be used") {
+  TemporaryFolder folder;
+  Recording{}.write(folder / "a.bag");
+  const InputReport report = inspect(folder / "a.bag");
+  CHECK(report.usable);
+  CHECK(report.kind == "ROS1 bag");
+  REQUIRE(report.topics.size() == 2);
+  CHECK(report.topics[0].topic == "/livox/imu");
+  CHECK(report.topics[0].messages == 200);
+  CHECK(report.topics[0].rate == Approx(100));
+  CHECK(report.topics[0].median_period == Approx(0.01));
+  CHECK(report.topics[1].points_per_message == Approx(20));
+  const std::string text = render(report);
+  CHECK(contains(text, "usable: yes"));
+  CHECK(contains(text, "livox_ros_driver/CustomMsg"));
+  CHECK(contains(text, "m/s^2"));
+  Recording still;
+  still.acc = Vec3(0, 0, 3);
+  still.write(folder / "b.bag");
+  const InputReport refused = inspect(folder / "b.bag");
+  CHECK_FALSE(refused.usable);
+  CHECK(contains(refused.reason, "neither g"));
+  CHECK(contains(render(refused), "CANNOT BE USED"));
+}
+
+TEST_CASE("inspection counts gaps and backward stamps") {
+  TemporaryFolder folder;
+  {
+    rosbag::BagWriter bag(folder / "a.bag");
+    const auto id = bag.add_connection("/imu", std::string(rosbag::kImu.name), std::string(rosbag::kImu.md5), "");
+    std::vector<std::uint8_t> bytes;
+    TimeNs recorded = kStart;
+    for (const int ms : {0, 10, 20, 15, 30, 30, 530, 540}) {
+      rosbag::encode_imu({0, kStart + ms * 1'000'000, ""}, Vec3::Zero(), Vec3(0, 0, 9.8), bytes);
+      bag.write(id, recorded += 10'000'000, bytes);
+    }
+    bag.close();
+  }
+  const InputReport report = inspect(folder / "a.bag");
+  REQUIRE(report.topics.size() == 1);
+  CHECK(report.topics[0].backward == 1);
+  CHECK(report.topics[0].repeated == 1);
+  CHECK(report.topics[0].largest_gap == Approx(0.5));
+  CHECK_FALSE(report.usable);
+}
+
+TEST_CASE("the digest depends on every byte") {
+  TemporaryFolder folder;
+  write_bytes(folder / "a", {'a', 'b', 'c'});
+  CHECK(input_digest(folder / "a") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  std::filesystem::create_directory(folder / "d");
+  write_bytes(folder.path() / "d" / "x", {'1'});
+  const std::string before = input_digest(folder / "d");
+  std::filesystem::rename(folder.path() / "d" / "x", folder.path() / "d" / "y");
+  CHECK(input_digest(folder / "d") != before);
+}
+
+}  // namespace aslio::io::test

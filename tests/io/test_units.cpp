@@ -1,0 +1,86 @@
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "io/bag_fixture.hpp"
+
+namespace aslio::io::test {
+namespace {
+
+struct Judged {
+  std::string refusal;
+  SourceNotes notes;
+  ImuSample sample;
+};
+
+Judged judge(const Vec3& acc, const Vec3& gyro, AccUnit acc_unit, GyroUnit gyro_unit) {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.acc = acc;
+  recording.gyro = gyro;
+  recording.write(folder / "a.bag");
+  SensorConfig sensor;
+  sensor.acc_unit = acc_unit;
+  sensor.gyro_unit = gyro_unit;
+  Judged judged;
+  judged.refusal = data_error([&] {
+    const auto source = open_source(folder / "a.bag", sensor);
+    judged.notes = source->notes();
+    while (const auto measurement = source->next()) {
+      if (const auto* sample = std::get_if<ImuSample>(&*measurement)) {
+        judged.sample = *sample;
+        break;
+      }
+    }
+  });
+  return judged;
+}
+
+const Vec3 kSlow(0.1, 0, 0);
+
+}  // namespace
+
+TEST_CASE("acceleration in g or m/s^2 is told by its norm") {
+  const Judged g = judge({0, 0, 1.0}, kSlow, AccUnit::automatic, GyroUnit::automatic);
+  CHECK(g.refusal.empty());
+  CHECK(contains(g.notes.verdicts, "g (found; norm 1.000 at the start), multiplied by 9.80665"));
+  CHECK(g.sample.acc.z() == Approx(9.80665));
+  const Judged si = judge({0, 0, 9.8}, kSlow, AccUnit::automatic, GyroUnit::automatic);
+  CHECK(contains(si.notes.verdicts, "m/s^2 (found"));
+  CHECK(si.sample.acc.z() == 9.8);
+}
+
+TEST_CASE("a declared unit that the data contradict is refused with factor and remedy") {
+  const std::string in_g = judge({0, 0, 1.0}, kSlow, AccUnit::mps2, GyroUnit::automatic).refusal;
+  CHECK(contains(in_g, "9.80665"));
+  CHECK(contains(in_g, "`acc_unit: g`"));
+  CHECK(contains(in_g, "/livox/imu"));
+  const std::string in_si = judge({0, 0, 9.8}, kSlow, AccUnit::g, GyroUnit::automatic).refusal;
+  CHECK(contains(in_si, "9.80665"));
+  CHECK(contains(in_si, "`acc_unit: mps2`"));
+}
+
+TEST_CASE("an acceleration that is neither is refused, unless its unit is declared") {
+  for (const double norm : {0.0, 3.0, 30.0}) {
+    const std::string text = judge({0, 0, norm}, kSlow, AccUnit::automatic, GyroUnit::automatic).refusal;
+    CHECK(contains(text, "neither g"));
+    const Judged declared = judge({0, 0, norm}, kSlow, AccUnit::mps2, GyroUnit::automatic);
+    CHECK(declared.refusal.empty());
+    CHECK(contains(declared.notes.warnings, "fits neither"));
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(contains(judge({0, 0, nan}, kSlow, AccUnit::automatic, GyroUnit::automatic).refusal, "neither g"));
+}
+
+TEST_CASE("an angular rate too fast for any gyroscope is in degrees") {
+  const Judged found = judge({0, 0, 9.8}, {90, 0, 0}, AccUnit::automatic, GyroUnit::automatic);
+  CHECK(contains(found.notes.verdicts, "deg/s (found"));
+  CHECK(found.sample.gyro.x() == Approx(1.5707963267948966));
+  const std::string text = judge({0, 0, 9.8}, {90, 0, 0}, AccUnit::automatic, GyroUnit::rad_s).refusal;
+  CHECK(contains(text, "pi/180"));
+  CHECK(contains(text, "`gyro_unit: deg_s`"));
+  const Judged declared = judge({0, 0, 9.8}, {9, 0, 0}, AccUnit::automatic, GyroUnit::deg_s);
+  CHECK(declared.sample.gyro.x() == Approx(0.15707963267948966));
+  CHECK(contains(judge({0, 0, 9.8}, kSlow, AccUnit::automatic, GyroUnit::automatic).notes.verdicts, "rad/s (assumed"));
+}
+
+}  // namespace aslio::io::test
