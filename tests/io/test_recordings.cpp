@@ -15,7 +15,7 @@ const fs::path kUnpacked = fs::path(ASLIO_BINARY_DIR) / "recordings" / "io";
 
 void run(const std::string& command) {
   INFO(command);
-  REQUIRE(std::system(command.c_str()) == 0);  // NOLINT: fixed commands on configured paths
+  REQUIRE(std::system(command.c_str()) == 0);  // fixed commands on configured paths
 }
 
 /// Several tests may run at once: the file appears whole.

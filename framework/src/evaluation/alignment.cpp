@@ -40,7 +40,7 @@ double rank_threshold(double largest) { return std::max(std::numeric_limits<doub
 
 Mat3 se3_rotation(const Mat3& covariance, std::size_t n) {
   const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vec3 d = svd.singularValues();
+  const Vec3& d = svd.singularValues();
   if (d[1] <= rank_threshold(d[0])) {
     throw DataError(
         fmt::format("alignment se3: the {} matched positions lie on a line or in a point, which leaves the rotation "
