@@ -11,10 +11,12 @@ std::int64_t SegmentSchedule::wanted(double overlap) const {
   return static_cast<std::int64_t>(std::clamp(segments, 2.0, static_cast<double>(n_limit_)));
 }
 
-void SegmentSchedule::observe(std::optional<double> overlap) {
+void SegmentSchedule::observe(std::optional<double> overlap, std::int64_t least) {
   echo_ = std::max<std::int64_t>(echo_ - 1, 0);
-  if (!overlap || !std::isfinite(*overlap)) return;
-  const std::int64_t asked = wanted(*overlap);
+  const bool defined = overlap && std::isfinite(*overlap);
+  least = std::clamp<std::int64_t>(least, 2, n_limit_);
+  if (!defined && least <= n_) return;
+  const std::int64_t asked = defined ? std::max(wanted(*overlap), least) : least;
   if (asked > n_) {
     arm(asked);
   } else if (echo_ == 0) {

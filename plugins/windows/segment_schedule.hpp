@@ -29,8 +29,9 @@ class SegmentSchedule {
   /// Time between updates for a window of length L [ns], rounded down. eq. WIN-2, AS-LIO (8).
   TimeNs shift(TimeNs frame_length) const { return 2 * frame_length / n_; }
 
-  /// After each update: the overlap it measured. An undefined one keeps n; the echo, a stretch of stream, runs on.
-  void observe(std::optional<double> overlap);
+  /// After each update: the overlap it measured, and the least n that other evidence asks for. An undefined overlap
+  /// asks for nothing and keeps n; the echo, a stretch of stream, runs on.
+  void observe(std::optional<double> overlap, std::int64_t least = 2);
   /// Before an update: the overlap predicted for coming points. Only a rise of n counts; says whether there was one.
   bool anticipate(std::optional<double> overlap);
   /// Back to the start: n = 2 (warm-up of the map).

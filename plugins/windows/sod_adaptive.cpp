@@ -27,6 +27,9 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
          "score coming points at the predicted pose every 10 ms and cut the pending window short when n rises");
   b.integer("min_points", p.min_points, "points", {.min = 0, .max = 1e6},
             "with fewer raw points in the sensor's range the time between updates grows, up to L");
+  b.integer("weak_segments", p.weak_segments, "", {.min = 2, .max = 1000},
+            "least n after an update with few matches or a degenerate view, where the overlap may be full and yet say "
+            "little: 2 leaves the overlap alone to decide, as the paper does");
   b.require(p.shift_min <= p.frame_length, "shift_min", "must not exceed frame_length");
 }
 
@@ -34,6 +37,7 @@ SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& c
     : frame_length_(to_ns(params.frame_length)),
       warmup_(to_ns(params.warmup)),
       lookahead_(params.lookahead),
+      weak_segments_(params.weak_segments),
       request_{.shift = frame_length_,
                .limit = frame_length_,
                .min_points = static_cast<std::size_t>(params.min_points),
@@ -50,7 +54,8 @@ void SodAdaptiveWindow::absorb(const Feedback& feedback) {
   if (warming_up(feedback)) {
     schedule_.restart();
   } else {
-    schedule_.observe(feedback.overlap.value);
+    const bool weak = feedback.status == UpdateStatus::few_matches || feedback.status == UpdateStatus::degenerate;
+    schedule_.observe(feedback.overlap.value, weak ? weak_segments_ : 2);
   }
   request_.shift = schedule_.shift(frame_length_);
   probed_ = 0;

@@ -21,6 +21,7 @@ class SodAdaptiveWindow final : public WindowStrategy {
     Recover recover = Recover::step;
     bool lookahead = false;
     std::int64_t min_points = 300;
+    std::int64_t weak_segments = 2;
   };
   static void describe(config::Binder& b, Params& p);
 
@@ -37,6 +38,7 @@ class SodAdaptiveWindow final : public WindowStrategy {
   TimeNs frame_length_;
   TimeNs warmup_;
   bool lookahead_;
+  std::int64_t weak_segments_;
   TileRequest request_;  ///< constants of every request; begin and shift are those of the pending window
   SegmentSchedule schedule_;
   bool awaits_feedback_ = false;  ///< a window was returned and its feedback not yet seen

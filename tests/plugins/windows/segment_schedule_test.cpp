@@ -102,6 +102,21 @@ TEST_CASE("a drop to the same n neither restarts nor shortens the echo, and a la
   }
 }
 
+TEST_CASE("other evidence may ask for a least n, whatever the overlap says") {
+  SegmentSchedule schedule(0.1, 5, Recover::step);
+  schedule.observe(1.0, 4);
+  CHECK(schedule.n() == 4);
+  CHECK(schedule.echo() == 4);
+  schedule.observe(std::nullopt, 4);  // an undefined overlap asks for nothing: the echo runs on
+  CHECK(schedule.n() == 4);
+  CHECK(schedule.echo() == 3);
+  schedule.observe(0.65, 4);  // the overlap asks for more
+  CHECK(schedule.n() == 5);
+  SegmentSchedule limited(0.1, 3, Recover::step);
+  limited.observe(std::nullopt, 9);
+  CHECK(limited.n() == 3);
+}
+
 TEST_CASE("ramp: n falls by one per echo, never below what the overlap asks for") {
   SegmentSchedule schedule(0.1, kNoLimit, Recover::ramp);
   schedule.observe(0.55);

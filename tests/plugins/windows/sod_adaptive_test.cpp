@@ -96,6 +96,31 @@ TEST_CASE("an undefined overlap keeps the rate") {
   for (std::size_t i = 1; i + 1 < plans.size(); ++i) CHECK(plans[i].seg_time == 6);
 }
 
+TEST_CASE(
+    "weak_segments shortens the window after a weak update at full overlap, and 2 leaves the overlap alone to decide") {
+  for (const std::int64_t weak_segments : {2, 4}) {
+    for (const UpdateStatus status : {UpdateStatus::ok, UpdateStatus::degenerate, UpdateStatus::few_matches}) {
+      SodAdaptiveWindow::Params params = without_warmup();
+      params.weak_segments = weak_segments;
+      test::BuildEnvironment environment;
+      SodAdaptiveWindow strategy(params, environment.context());
+      test::FakeStream stream = dense_stream(500);
+      stream.finish();
+      test::FakeProbe probe = test::blind_probe();
+      Feedback feedback;
+      feedback.first_insertion = 0;
+      const auto first = strategy.next(stream, feedback, probe);
+      REQUIRE(first);
+      feedback.t = first->end;
+      feedback.status = status;
+      feedback.overlap.value = 1.0;
+      const auto second = strategy.next(stream, feedback, probe);
+      REQUIRE(second);
+      CHECK(second->seg_time == (status == UpdateStatus::ok ? 2 : static_cast<double>(weak_segments)));
+    }
+  }
+}
+
 TEST_CASE("the shortest shift limits n, so that n, shift and echo stay consistent") {
   SodAdaptiveWindow::Params params = without_warmup();
   params.shift_min = 0.02;
