@@ -37,10 +37,23 @@ void RigidTrajectory::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
   out.bottomRightCorner<3, 3>().setIdentity();
 }
 
+void Frame::reserve(std::size_t points) {
+  if (points <= raw_.capacity()) return;
+  points *= 2;  // windows vary with what is in view: one that is twice as full needs no memory
+  raw_.reserve(points);
+  index_.reserve(points);
+  body_.reserve(points);
+  match_body_.reserve(points);
+  match_range_.reserve(points);
+  for (auto& list : world_) list.reserve(points);
+}
+
 void Frame::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers) {
+  if (taps_.capacity() < fresh.size()) taps_.reserve(2 * fresh.size());
   taps_.assign(fresh.size(), kAllTaps);
   SampleBatch batch{fresh, {}, taps_};
   samplers.sample(Sampler::ActsOn::raw, batch);
+  reserve(fresh.size() - static_cast<std::size_t>(std::count(taps_.begin(), taps_.end(), TapMask{0})));
   raw_.clear();
   index_.clear();
   std::size_t kept = 0;

@@ -13,6 +13,7 @@ namespace aslio::plugins {
 /// T_W_I over a fresh interval: the predicted segments, moved rigidly with the correction of the end pose.
 class RigidTrajectory final : public TrajectoryModel {
  public:
+  void reserve(std::size_t segments) { segments_.reserve(segments); }
   void clear(const NavState& start);
   void append(const MotionSegment& segment, const NavState& end);
   /// The end pose after the update; everything before it moves along rigidly.
@@ -53,6 +54,8 @@ class Frame {
 
  private:
   static constexpr std::size_t slot(Tap tap) { return tap == Tap::overlap ? 0 : tap == Tap::map ? 1 : 2; }
+
+  void reserve(std::size_t points);
 
   Pose T_imu_lidar_;
   std::vector<TimedPoint> raw_;

@@ -48,7 +48,11 @@ Ieskf::Ieskf(const Params& params, const BuildContext& context)
       sensor_(context.sensor),
       motion_(params.motion.make(context)),
       residual_(params.residual.make(context)),
-      frame_(context.sensor) {}
+      frame_(context.sensor) {
+  constexpr std::size_t kImuSamples = 256;  // of a window without a gap, at any usual rate
+  trajectory_.reserve(kImuSamples);
+  states_.reserve(kImuSamples);
+}
 
 void Ieskf::reset(const InitialState& initial) {
   state_ = initial.state;
@@ -112,6 +116,20 @@ void Ieskf::propagate(const Window& window) {
   state_ = state;
 }
 
+void Ieskf::MatchSet::reserve(std::size_t n, std::size_t rows_per_match, int k) {
+  if (n <= body.capacity()) return;
+  n *= 2;  // windows vary with what is in view: one that is twice as full needs no memory
+  body.reserve(n);
+  world.reserve(n);
+  range.reserve(n);
+  surfaces.reserve(n);
+  rows.reserve(n * rows_per_match);
+  partials.reserve(exec::Executor::chunk_count(n, kGrain));
+  neighbours.count.reserve(n);
+  neighbours.offsets.reserve(n * static_cast<std::size_t>(k));
+  neighbours.squared.reserve(n * static_cast<std::size_t>(k));
+}
+
 void Ieskf::MatchSet::resize(std::size_t n, std::size_t rows_per_match) {
   world.resize(n);
   surfaces.resize(n);
@@ -119,14 +137,25 @@ void Ieskf::MatchSet::resize(std::size_t n, std::size_t rows_per_match) {
   partials.resize(exec::Executor::chunk_count(n, kGrain));
 }
 
+void Ieskf::reserve(std::size_t fresh, std::size_t history) {
+  const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
+  const int k = residual_->query().k;
+  fresh_.reserve(fresh, rows, k);
+  // From the first window on, although a history comes later: usually not more than two points per fresh one.
+  history_.reserve(std::max(history, fresh), rows, k);
+  if (records_.capacity() < fresh) records_.reserve(2 * fresh);
+}
+
 void Ieskf::load_history(const HistorySelection& past) {
   const Pose I_from_W = state_.pose().inverse();
   const std::size_t n = past.points.size();
   history_.body.resize(n);
   history_.range.resize(n);
+  history_.weight.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     history_.body[i] = I_from_W * past.points[i].p_W;  // eq. HIS-1: seen from the prior, then held fixed
     history_.range[i] = past.points[i].range;
+    history_.weight[i] = past.points[i].age_weight;
   }
 }
 
@@ -153,7 +182,9 @@ PoseInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) 
         for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
           const ResidualRow& z = set.rows[row];
           if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
-          sum.add(set.body[row / rows_per_match], Rt, z.J, z.r, z.information);  // eq. IESKF-1
+          const std::size_t i = row / rows_per_match;
+          const double weight = set.weight.empty() ? 1.0 : set.weight[i];
+          sum.add(set.body[i], Rt, z.J, z.r, weight * z.information);  // eq. IESKF-1
         }
         return sum;
       },
@@ -248,12 +279,15 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   const StateMatrix P_before = P_;
   const NavState before = state_;
   propagate(window);
-  if (!P_.allFinite() || !state_.p.allFinite() || !state_.v.allFinite() || !state_.R.allFinite()) {
+  const bool finite =
+      P_.allFinite() && state_.p.allFinite() && state_.v.allFinite() && state_.R.allFinite() && state_.g.allFinite();
+  if (!finite) {  // back to the last finite state; the points stay as measured, and nothing is done with them
     P_ = P_before;
     state_ = before;
     state_.t = window.plan.end;
+    trajectory_.clear(state_);
+    states_.assign(1, state_);
     refuse(UpdateStatus::non_finite);
-    result_.insert = false;
   }
   result_.prior = state_;
   {
@@ -268,16 +302,17 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
     const CpuTimer timer(result_.times.sample);
     frame_.sample_body(context.samplers);
   }
+  reserve(frame_.match_body().size(), past.points.size());
   fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
   fresh_.range.assign(frame_.match_range().begin(), frame_.match_range().end());
   load_history(past);
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
-  if (context.map.size() == 0) {
+  if (finite && context.map.size() == 0) {
     result_.status = UpdateStatus::initialising;
     accepted_t_ = state_.t;
     accepted_position_variance_ = P_.diagonal().segment<3>(block::p).maxCoeff();
     accepted_tilt_variance_ = P_.diagonal().segment<3>(block::theta).maxCoeff();
-  } else if (result_.status != UpdateStatus::non_finite) {
+  } else if (finite) {
     iterate(past, context);
   }
   finish();

@@ -43,11 +43,13 @@ class Ieskf final : public Estimator {
   struct MatchSet {
     std::vector<Vec3> body, world;
     std::vector<float> range;
+    std::vector<double> weight;  ///< factor on the information of each point; empty: 1
     Neighbours neighbours;
     std::vector<Surface> surfaces;
     std::vector<ResidualRow> rows;
     std::vector<PoseInformation> partials;
 
+    void reserve(std::size_t n, std::size_t rows_per_match, int k);
     void resize(std::size_t n, std::size_t rows_per_match);
   };
 
@@ -58,6 +60,7 @@ class Ieskf final : public Estimator {
 
   void propagate(const Window& window);
   ImuNoise noise_of(const ImuSample& from, const ImuSample& to) const;
+  void reserve(std::size_t fresh, std::size_t history);
   void load_history(const HistorySelection& past);
   void iterate(const HistorySelection& past, const StepContext& context);
   void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);

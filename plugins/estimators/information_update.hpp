@@ -3,6 +3,7 @@
 /// lives in the top-left 6 x 6 block of the error state (docs/equations.md IESKF-1 .. IESKF-7; AS-LIO (11)-(13)
 /// corrected).
 
+#include <Eigen/Geometry>
 #include <optional>
 
 #include "aslio/stages/history.hpp"

@@ -1,0 +1,219 @@
+// The filter over whole windows: a room at rest, with and without history, with nothing to match, with impossible IMU
+// data.
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "aslio/pipeline/odometry.hpp"
+#include "pipeline/runs.hpp"
+#include "plugins/estimators/room.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+
+namespace {
+
+constexpr TimeNs kTenth = kSecond / 10;
+
+/// A history in which every point has the given weight.
+class ConstantHistory final : public HistoryPolicy {
+ public:
+  explicit ConstantHistory(double weight = 1.0) : weight_(weight) {}
+  HistorySelection select(const Window&) override { return {}; }
+  double weight(std::size_t, std::size_t) const override { return weight_; }
+  double gate(double sigma) const override { return 3 * sigma; }
+  void commit(const Window&, const Update&) override {}
+  void reset() override {}
+
+ private:
+  double weight_;
+};
+
+/// The filter in the room, at the origin and at rest.
+struct Filter {
+  explicit Filter(const std::vector<std::string>& overrides = {}, double sigma_velocity = 0.05,
+                  bool imu_is_known = false) {
+    environment.sensor.T_imu_lidar = Pose{};
+    std::vector<std::string> all = {"estimator={type: ieskf}"};  // defaults, whatever the shipped files are tuned to
+    all.insert(all.end(), overrides.begin(), overrides.end());
+    const pipeline::PipelineConfig config = shipped("as_lio", all);
+    estimator = config.estimator.make(environment.context());
+    map = config.map.make(environment.context());
+    InitialState initial;
+    initial.state.t = kRoomEpoch;
+    initial.sigma_velocity = sigma_velocity;
+    if (imu_is_known) initial.sigma_acc_bias = initial.sigma_tilt = initial.sigma_gyro_bias = 1e-4;
+    estimator->reset(initial);
+  }
+  void build_map(std::uint32_t stamp) { map->insert(wall_points(20000), stamp); }
+  const Update& update(const RoomWindow& room, const HistorySelection& past = {}) {
+    return estimator->update(room.window, past, {samplers, *map, history});
+  }
+
+  BuildEnvironment environment;
+  SamplerChain samplers;
+  ConstantHistory history;
+  std::unique_ptr<Estimator> estimator;
+  std::unique_ptr<Map> map;
+};
+
+std::vector<HistoryPoint> old_points(int count) {
+  std::vector<HistoryPoint> out;
+  for (const WorldPoint& p : wall_points(count)) {
+    out.push_back({.p_W = p.p_W + Vec3(0.004, -0.003, 0.002),
+                   .t = kRoomEpoch,
+                   .range = static_cast<float>(p.p_W.norm()),
+                   .sequence = 5});
+  }
+  return out;
+}
+
+double pose_trace(const StateMatrix& P) { return P.topLeftCorner<6, 6>().trace(); }
+
+bool same_state(const NavState& a, const NavState& b) { return pipeline::state_digest(a) == pipeline::state_digest(b); }
+
+}  // namespace
+
+TEST_CASE("the filter finds the pose from which the room was measured") {
+  Filter filter({}, 3.0);
+  filter.build_map(1);
+  const Pose truth{exp_so3(Vec3(0.002, -0.003, 0.004)), Vec3(0.05, -0.03, 0.02)};
+  const Update& update = filter.update(RoomWindow(kRoomEpoch, kTenth, truth, 2));
+  REQUIRE(update.status == UpdateStatus::ok);
+  REQUIRE(update.accepted);
+  CHECK((update.state.p - truth.p).norm() < 1e-3);
+  CHECK(log_so3(update.state.R.transpose() * truth.R).norm() < 1e-3);
+  CHECK(update.residual_rms < 0.012);  // planes across the edges of the room
+  CHECK(update.fresh_matches > 700);
+  CHECK(update.history_matches == 0);
+  CHECK(update.prior.p.norm() < 1e-3);
+  CHECK((update.trajectory->pose(kRoomEpoch + kTenth).p - update.state.p).norm() < 1e-12);
+}
+
+TEST_CASE("predict says what the next update starts from and changes nothing") {
+  Filter filter;
+  filter.build_map(1);
+  RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2);
+  for (ImuSample& s : room.imu) s.gyro = Vec3(0.1, 0.2, 0.3);
+  const NavState before = filter.estimator->state();
+  const NavState predicted = filter.estimator->predict(room.imu);
+  CHECK(same_state(filter.estimator->state(), before));
+  CHECK(same_state(filter.update(room).prior, predicted));
+}
+
+TEST_CASE("a history whose only neighbours are of its own window carries exactly no information") {
+  // A new room: everything in the map was inserted within the window (update 5), the history may match up to 4.
+  const RoomWindow room(kRoomEpoch, kTenth, Pose{Mat3::Identity(), Vec3(0.01, 0.02, 0)}, 6);
+  const std::vector<HistoryPoint> points = old_points(500);
+  Filter without, new_room, old_room;
+  for (Filter* filter : {&without, &new_room, &old_room}) filter->build_map(5);
+  const Update& plain = without.update(room);
+  const Update& no_neighbours = new_room.update(room, {.points = points, .max_stamp = 4});
+  CHECK(no_neighbours.history_points == 500);
+  CHECK(no_neighbours.history_matches == 0);
+  CHECK(same_state(no_neighbours.state, plain.state));
+  CHECK(no_neighbours.P == plain.P);
+  // The same points against a map that is old enough do count.
+  const Update& with_neighbours = old_room.update(room, {.points = points, .max_stamp = 5});
+  CHECK(with_neighbours.history_matches > 300);
+  CHECK_FALSE(same_state(with_neighbours.state, plain.state));
+}
+
+TEST_CASE("history at full weight: counting all of it as new evidence is more certain than what the gain allows") {
+  const RoomWindow room(kRoomEpoch, kTenth, Pose{}, 6);
+  const std::vector<HistoryPoint> points = old_points(2000);
+  const auto certainty = [&](HistoryCovariance rule) {
+    Filter filter({}, 3.0);
+    filter.build_map(1);
+    const Update& update = filter.update(room, {.points = points, .max_stamp = 5, .covariance = rule});
+    REQUIRE(update.status == UpdateStatus::ok);
+    REQUIRE(update.history_matches > update.fresh_matches);
+    return pose_trace(update.P);
+  };
+  const double all = certainty(HistoryCovariance::all);
+  const double fresh_alone = certainty(HistoryCovariance::new_only);
+  const double joseph = certainty(HistoryCovariance::joseph);
+  CHECK(all < 0.5 * fresh_alone);       // more than twice the evidence that there is
+  CHECK(joseph > 0.999 * fresh_alone);  // no gain is better than the optimal one for the fresh points
+}
+
+TEST_CASE("with nothing to match the points go on entering the map while dead reckoning is good") {
+  // The map holds something, but nothing within reach.
+  const auto last_insertion = [](const std::vector<std::string>& overrides, bool imu_is_known) {
+    Filter filter(overrides, 0.01, imu_is_known);
+    const WorldPoint far{.p_W = Vec3(80, 0, 0)};
+    filter.update(RoomWindow(kRoomEpoch, kTenth, Pose{}, 1));  // the empty map: the last time all was well
+    filter.map->insert({&far, 1}, 1);
+    TimeNs last = 0;
+    bool stopped = false;
+    for (std::uint32_t k = 1; k < 20; ++k) {
+      const RoomWindow room(kRoomEpoch + k * kTenth, kTenth, Pose{}, k + 1);
+      const Update& update = filter.update(room);
+      REQUIRE(update.status == UpdateStatus::few_matches);
+      REQUIRE_FALSE(update.accepted);
+      CHECK(same_state(update.state, update.prior));
+      CHECK_FALSE((stopped && update.insert));  // once too uncertain, for good
+      stopped = !update.insert;
+      if (update.insert) last = room.window.plan.end - (kRoomEpoch + kTenth);
+    }
+    return to_seconds(last);
+  };
+  // With the sensor's own noise and biases known, time decides: 1 s.
+  CHECK(last_insertion({"estimator.noise=physical"}, true) == Approx(1.0));
+  // With biases unknown by 0.2 m/s^2 and the vertical by as much, 0.1 m is exceeded 0.8 s after, 0.9 s from the start.
+  CHECK(last_insertion({"estimator.noise=physical"}, false) == Approx(0.7));
+  // With inflated noise the attitude is uncertain by 1 deg after 0.6 s: 0.32 rad/s sqrt(0.005 s * 0.6 s).
+  CHECK(last_insertion({"estimator.noise=fastlio"}, true) == Approx(0.6));
+}
+
+TEST_CASE("after a match the time of good dead reckoning begins again") {
+  Filter filter({"estimator.noise=physical"}, 0.01);
+  filter.update(RoomWindow(kRoomEpoch, kTenth, Pose{}, 1));
+  filter.build_map(1);
+  for (std::uint32_t k = 1; k <= 15; ++k) {
+    REQUIRE(filter.update(RoomWindow(kRoomEpoch + k * kTenth, kTenth, Pose{}, k + 1)).accepted);
+  }
+  filter.map->clear();
+  const WorldPoint far{.p_W = Vec3(80, 0, 0)};
+  filter.map->insert({&far, 1}, 1);
+  CHECK(filter.update(RoomWindow(kRoomEpoch + 16 * kTenth, kTenth, Pose{}, 17)).insert);
+}
+
+TEST_CASE("a state that the IMU drives beyond all numbers is refused and rolled back") {
+  const double huge =
+      GENERATE(std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 1e200);
+  const bool empty_map = GENERATE(false, true);
+  CAPTURE(huge, empty_map);
+  Filter filter;
+  if (!empty_map) filter.build_map(1);
+  const NavState before = filter.estimator->state();
+  RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2);
+  room.imu[7].gyro.y() = huge;
+  const Update& update = filter.update(room);
+  CHECK(update.status == UpdateStatus::non_finite);
+  CHECK_FALSE(update.accepted);
+  CHECK_FALSE(update.insert);
+  CHECK(update.P.allFinite());
+  CHECK(update.state.t == room.window.plan.end);
+  NavState expected = before;
+  expected.t = update.state.t;
+  CHECK(same_state(update.state, expected));
+  CHECK(same_state(update.prior, expected));
+  REQUIRE(update.states.size() == 1);
+  CHECK(update.trajectory->pose(kRoomEpoch + kTenth / 2).p.allFinite());
+  for (const WorldPoint& p : update.points(Tap::map)) REQUIRE(p.p_W.allFinite());
+  // The next window is as good as if nothing had been.
+  if (empty_map) filter.build_map(1);
+  CHECK(filter.update(RoomWindow(kRoomEpoch + kTenth, kTenth, Pose{}, 3)).accepted);
+}
+
+TEST_CASE("a window without IMU data keeps the state and its covariance") {
+  Filter filter;
+  filter.build_map(1);
+  RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2);
+  room.window.imu = {};
+  const Update& update = filter.update(room);
+  CHECK(update.prior.p == Vec3::Zero());
+  CHECK(update.state.t == room.window.plan.end);
+  CHECK(update.states.size() == 1);
+  CHECK(update.status == UpdateStatus::ok);
+}
