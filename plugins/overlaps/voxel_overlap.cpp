@@ -58,6 +58,12 @@ void VoxelOverlap::gather_due(std::size_t frames) {
 
 void VoxelOverlap::find_layers() {
   const auto cells = histogram_.cells();
+  if (layers_.capacity() < cells.size()) {
+    // Twice, and all at once: which cells are unseen, and how many, changes from frame to frame.
+    for (auto* list : {&layers_, &due_layers_}) list->reserve(2 * cells.size());
+    unseen_.reserve(2 * cells.size());
+    unseen_index_.reserve(2 * cells.size());
+  }
   layers_.resize(cells.size());
   occupied_->layers(cells, depth(), settings_.metric, layers_);
   if (due_->size() == 0) return;

@@ -49,8 +49,8 @@ void VoxelSampler::sample(SampleBatch& batch) {
 }
 
 void VoxelSampler::start_pass(std::size_t points) {
-  const std::size_t wanted = std::bit_ceil(2 * points);  // at most half full
-  if (slots_.size() < wanted) slots_.resize(wanted);
+  const std::size_t wanted = std::bit_ceil(2 * points);   // at most half full
+  if (slots_.size() < wanted) slots_.resize(2 * wanted);  // the next larger frame needs no memory
   shift_ = 64 - std::countr_zero(wanted);
   if (++pass_ == 0) {
     for (Slot& slot : slots_) slot.pass = 0;

@@ -10,7 +10,7 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr unsigned kSmallest = 10;  // log2 of slots
+constexpr unsigned kSmallest = 14;  // log2 of slots: 128 KB, room for the cells of a few frames
 
 bool in_range(std::int32_t c) { return c >= -kCellRange && c < kCellRange; }
 bool near_edge(std::int32_t c) {
