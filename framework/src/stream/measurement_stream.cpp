@@ -44,6 +44,8 @@ void MeasurementStream::push(LidarPacket&& packet) {
   counters_.points_late += late;
   counters_.points_reordered += findings.reordered - std::min(findings.reordered, late);
   const std::span<TimedPoint> accepted(open, points.end());
+  // Late points count too: what comes after them must not depend on whether its packet came before or after the cut.
+  next_index_ += static_cast<std::uint32_t>(late);
   if (accepted.empty()) return;
   for (TimedPoint& p : accepted) p.index = next_index_++;
   counters_.points += accepted.size();
