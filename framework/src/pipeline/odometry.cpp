@@ -68,7 +68,9 @@ class Odometry::Loop {
     } else {
       histories_->reset();
     }
-    tracking_.observe(update, plan.fresh_begin, plan.end);
+    // A gap at the begin of the window is no time in which the estimator failed: its silence begins with the data.
+    const TimeNs data_begin = window.fresh.empty() ? plan.fresh_begin : window.fresh.front().t;
+    tracking_.observe(update, data_begin, plan.end);
     report(window, past, update, record);
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,   record.overlap,
                  update.state, update.spectrum,           record.n_matches};

@@ -21,7 +21,7 @@ class Tracking {
  public:
   Tracking(double max_speed, double max_silence) : max_speed_(max_speed), max_silence_(to_ns(max_silence)) {}
 
-  /// Takes the outcome of an update over the fresh interval (begin, end].
+  /// Takes the outcome of an update over the fresh data of [begin, end].
   void observe(const Update& update, TimeNs begin, TimeNs end);
 
   TrackingStatus status() const { return status_; }
