@@ -1,0 +1,144 @@
+// Where the first state comes from: verdicts, levelling, which samples count, impossible gravity.
+#include <Eigen/LU>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/pipeline/initialiser.hpp"
+
+using namespace aslio;
+using namespace aslio::pipeline;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr TimeNs kEpoch = 1'700'000'000 * kSecond;
+const Vec3 kUp(0, 0, kStandardGravity);
+
+/// A stream with one point at `first_point` and IMU samples that tests add.
+struct Start {
+  explicit Start(double first_point = 0) {
+    LidarPacket packet;
+    packet.stamp = kEpoch;
+    TimedPoint point;
+    point.x = 3;
+    point.t = kEpoch + to_ns(first_point);
+    packet.points.push_back(point);
+    stream.push(std::move(packet));
+  }
+  /// Samples every `step` seconds in [begin, end].
+  Start& imu(double begin, double end, double step, const Vec3& acc, const Vec3& gyro = Vec3::Zero()) {
+    for (int k = 0; begin + k * step <= end + 1e-9; ++k)
+      stream.push(ImuSample{kEpoch + to_ns(begin + k * step), gyro, acc});
+    return *this;
+  }
+  std::optional<Initialisation> run(const InitialisationParams& params = {}) const {
+    return initialise(stream, params, SensorModel{});
+  }
+  stream::MeasurementStream stream;
+};
+
+}  // namespace
+
+TEST_CASE("initialisation: at rest the mean rate is the gyro bias") {
+  const Vec3 bias(0.004, -0.006, 0.002);
+  const auto found = Start().imu(0, 0.2, 0.005, kUp, bias).run();
+  REQUIRE(found);
+  CHECK(found->initial.mode == InitialMode::static_start);
+  CHECK((found->initial.state.b_w - bias).norm() < 1e-12);
+  CHECK(found->initial.state.t == kEpoch + to_ns(0.1));
+  CHECK(found->initial.state.v == Vec3::Zero());
+  CHECK(found->initial.sigma_gyro_bias < 2e-3);
+  CHECK_THAT(found->verdict, Contains("static start") && Contains("over 21 samples"));
+}
+
+TEST_CASE("initialisation: auto decides by the variation of the force and by the mean rate") {
+  const auto verdict = [](double swing, double rate) {
+    Start start;
+    for (int k = 0; k <= 40; ++k) {
+      start.stream.push(
+          ImuSample{kEpoch + k * 5'000'000, Vec3(0, 0, rate), kUp + Vec3(k % 2 == 0 ? swing : -swing, 0, 0)});
+    }
+    return start.run()->initial.mode;
+  };
+  CHECK(verdict(0.0, 0.0) == InitialMode::static_start);
+  CHECK(verdict(0.29, 0.049) == InitialMode::static_start);
+  CHECK(verdict(0.31, 0.0) == InitialMode::dynamic_start);
+  CHECK(verdict(0.0, 0.051) == InitialMode::dynamic_start);
+}
+
+TEST_CASE("initialisation: a dynamic start assumes neither rest nor a bias") {
+  Start start;
+  start.imu(0, 0.2, 0.005, kUp, Vec3(0, 0, 1));
+  const auto found = start.run();
+  REQUIRE(found);
+  CHECK(found->initial.mode == InitialMode::dynamic_start);
+  CHECK(found->initial.state.b_w == Vec3::Zero());
+  CHECK(found->initial.sigma_velocity >= 2.0);
+  CHECK(found->initial.sigma_tilt == Approx(10 * 3.14159265358979 / 180));
+  CHECK_THAT(found->verdict, Contains("dynamic start"));
+  // What the configuration says outranks the data.
+  CHECK(start.run({.mode = InitialisationMode::static_start})->initial.mode == InitialMode::static_start);
+  CHECK(Start().imu(0, 0.2, 0.005, kUp).run({.mode = InitialisationMode::dynamic_start})->initial.mode ==
+        InitialMode::dynamic_start);
+}
+
+TEST_CASE("initialisation: acceleration that cannot be gravity is refused, g with its factor") {
+  CHECK_THROWS_AS(Start().imu(0, 0.2, 0.005, Vec3(0, 0, 1)).run(), DataError);
+  CHECK_THROWS_WITH(Start().imu(0, 0.2, 0.005, Vec3(0, 0.6, 0.8)).run(),
+                    Contains("1.000 m/s^2") && Contains("acc_unit: g") && Contains("9.80665"));
+  CHECK_THROWS_WITH(Start().imu(0, 0.2, 0.005, Vec3(0, 0, 96)).run(),
+                    Contains("96.000 m/s^2") && Contains("9.80665") && !Contains("acc_unit: g"));
+  CHECK_THROWS_AS(Start().imu(0, 0.2, 0.005, Vec3(0, 0, 0)).run(), DataError);
+  CHECK_NOTHROW(Start().imu(0, 0.2, 0.005, Vec3(0, 0, 9.0)).run());
+}
+
+TEST_CASE("initialisation: two samples of a 10 Hz IMU are enough, one is not") {
+  CHECK_FALSE(Start().imu(0, 0.05, 0.1, kUp).run());
+  const auto found = Start().imu(0, 0.1, 0.1, kUp).run();
+  REQUIRE(found);
+  CHECK_THAT(found->verdict, Contains("over 2 samples"));
+  CHECK(found->initial.state.t == kEpoch + to_ns(0.1));
+  CHECK_THAT(Start().imu(0, 0.21, 0.103, kUp).run()->verdict, Contains("over 2 samples"));
+}
+
+TEST_CASE("initialisation: waits for a point and for IMU data that reach far enough") {
+  stream::MeasurementStream no_points;
+  for (int k = 0; k < 100; ++k) no_points.push(ImuSample{kEpoch + k * 5'000'000, Vec3::Zero(), kUp});
+  CHECK_FALSE(initialise(no_points, {}, SensorModel{}));
+  CHECK_FALSE(Start().run());
+  CHECK_FALSE(Start().imu(0, 0.094, 0.005, kUp).run());
+  CHECK(Start().imu(0, 0.1, 0.005, kUp).run());
+  CHECK_FALSE(Start().imu(0, 0.1, 0.005, kUp).run({.time = 0.5}));
+}
+
+TEST_CASE("initialisation: IMU data before the first point is used, so that motion right after it does no harm") {
+  const Vec3 bias(0.01, 0, 0);
+  const auto found =
+      Start(0.3).imu(0, 0.3, 0.005, kUp, bias).imu(0.305, 1, 0.005, kUp + Vec3(3, 0, 0), Vec3(0, 0, 4)).run();
+  REQUIRE(found);
+  CHECK(found->initial.mode == InitialMode::static_start);
+  CHECK(found->initial.state.t == kEpoch + to_ns(0.3));
+  CHECK((found->initial.state.b_w - bias).norm() < 1e-12);
+  CHECK_THAT(found->verdict, Contains("over 21 samples"));  // the 0.1 s before the point, not all there is
+}
+
+TEST_CASE("initialisation: the levelled attitude takes the force to +z without yaw, in any position") {
+  std::vector<Vec3> forces = {kUp, -kUp, Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1e-9, 0, -1), Vec3(0, 1e-14, -1)};
+  for (int i = 0; i < 200; ++i) {
+    const double z = -0.99 + i * 0.00995, a = 2.4 * i;
+    forces.emplace_back(std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z);
+  }
+  for (const Vec3& force : forces) {
+    const Vec3 acc = force.normalized() * kStandardGravity;
+    CAPTURE(acc.transpose());
+    const auto found = Start().imu(0, 0.2, 0.005, acc).run();
+    REQUIRE(found);
+    const Mat3& R = found->initial.state.R;
+    CHECK((R.transpose() * R - Mat3::Identity()).norm() < 1e-12);
+    CHECK(R.determinant() == Approx(1.0));
+    CHECK((R * acc - kUp).norm() < 1e-8);
+    CHECK(std::abs(R(1, 0)) < 1e-9);  // the x axis of the IMU looks along x of W ..
+    CHECK(R(0, 0) > -1e-9);           // .. and not backwards
+  }
+}

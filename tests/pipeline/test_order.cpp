@@ -1,0 +1,97 @@
+// The order of the loop and its traps, seen by stages that watch the real ones.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "aslio/simulator/analytic_world.hpp"
+#include "pipeline/runs.hpp"
+#include "pipeline/spies.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+
+namespace {
+
+using Calls = std::vector<std::string>;
+
+/// Calls per update, and what went into map and history.
+class Journal final : public Observer {
+ public:
+  void before(const std::string& call) override {
+    if (call == "select") steps.emplace_back();
+    if (call != "next") steps.back().push_back(call);
+  }
+  void after(const std::string&) override {}
+  void on_select(const HistorySelection& past) override {
+    history_points += past.points.size();
+    for (const HistoryPoint& p : past.points) younger_than_neighbours += p.sequence <= past.max_stamp ? 0U : 1U;
+    oldest_first = oldest_first && past.max_stamp < steps.size();
+  }
+  void on_insert(const Window& window, const Update& update) override {
+    for (const WorldPoint& p : update.points(Tap::map)) {
+      const TimedPoint& raw = window.fresh[p.index];
+      in_window = in_window && p.t > window.plan.fresh_begin && p.t <= window.plan.end && raw.t == p.t;
+      inserted_twice += inserted.insert({p.t, p.line}).second ? 0U : 1U;
+    }
+  }
+
+  std::vector<Calls> steps;
+  std::size_t history_points = 0, younger_than_neighbours = 0, inserted_twice = 0;
+  bool oldest_first = true, in_window = true;
+  std::set<std::pair<TimeNs, int>> inserted;
+};
+
+struct Watched {
+  Watched(const std::vector<std::string>& overrides, double seconds) {
+    const simulator::AnalyticWorld world({.duration_scale = 0.5});
+    const auto source = world.source();
+    const plugin::Catalog catalog = spied(built_in_stages(), journal);
+    Run watched(shipped("as_lio", overrides, catalog), world.sensor());
+    watched.play(record(*source, world.begin_time() + to_ns(seconds)));
+    updates = watched.updates;
+  }
+  Journal journal;
+  std::vector<pipeline::UpdateRecord> updates;
+};
+
+const Calls kWhole = {"select", "update", "evaluate", "insert", "extend", "commit"};
+const Calls kInsertedUnmatched = {"select", "update", "evaluate", "insert", "extend", "reset"};
+const Calls kRefused = {"select", "update", "evaluate", "reset"};
+
+}  // namespace
+
+TEST_CASE("the overlap is measured after the update and before the points are merged, each once") {
+  const Watched run({}, 4.0);
+  REQUIRE(run.updates.size() == run.journal.steps.size());
+  REQUIRE(run.updates.size() > 40);
+  for (std::size_t k = 0; k < run.updates.size(); ++k) {
+    const UpdateStatus status = run.updates[k].status;
+    if (status == UpdateStatus::few_matches || status == UpdateStatus::non_finite) continue;
+    CHECK(run.journal.steps[k] == kWhole);
+  }
+  // Each fresh point enters at most once, at its own update; what the history lends may never match its own slice.
+  CHECK(run.journal.inserted.size() > 5000);
+  CHECK(run.journal.inserted_twice == 0);
+  CHECK(run.journal.in_window);
+  CHECK(run.journal.history_points > 1000);
+  CHECK(run.journal.younger_than_neighbours == run.journal.history_points);
+  CHECK(run.journal.oldest_first);
+}
+
+TEST_CASE("a refused step forgets the history, and inserts only while dead reckoning is good") {
+  const Watched run({"estimator.min_matches=1000000", "estimator.noise=fastlio"}, 2.0);
+  REQUIRE(run.updates.size() == run.journal.steps.size());
+  REQUIRE(run.updates.front().status == UpdateStatus::initialising);
+  CHECK(run.journal.steps.front() == kWhole);
+  std::size_t inserted = 0, refused = 0;
+  for (std::size_t k = 1; k < run.updates.size(); ++k) {
+    REQUIRE(run.updates[k].status == UpdateStatus::few_matches);
+    const bool insert = run.journal.steps[k].size() == kInsertedUnmatched.size();
+    CHECK(run.journal.steps[k] == (insert ? kInsertedUnmatched : kRefused));
+    if (!insert) CHECK(run.updates[k].map_points == run.updates[k - 1].map_points);
+    (insert ? inserted : refused) += 1;
+  }
+  CHECK(inserted >= 4);
+  CHECK(refused >= 2);
+  CHECK(run.journal.history_points == 0);
+}

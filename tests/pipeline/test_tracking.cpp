@@ -1,0 +1,138 @@
+// The health of a run from update to update: when it is degraded, recovered, lost, and why.
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "aslio/pipeline/tracking.hpp"
+
+using namespace aslio;
+using namespace aslio::pipeline;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr TimeNs kEpoch = 1'700'000'000 * kSecond;
+constexpr TimeNs kTenth = kSecond / 10;
+
+/// Plays updates of 0.1 s.
+struct Play {
+  Tracking tracking{30.0, 1.0};
+  TimeNs t = kEpoch;
+
+  TrackingStatus next(const Update& update) {
+    tracking.observe(update, t, t + kTenth);
+    t += kTenth;
+    return tracking.status();
+  }
+  TrackingStatus accepted(int times = 1) {
+    Update update;
+    update.status = UpdateStatus::ok;
+    update.accepted = true;
+    while (--times > 0) next(update);
+    return next(update);
+  }
+  TrackingStatus refused(int times = 1, UpdateStatus status = UpdateStatus::few_matches) {
+    Update update;
+    update.status = status;
+    while (--times > 0) next(update);
+    return next(update);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("tracking: initialising until the first accepted update") {
+  Play play;
+  CHECK(play.tracking.status() == TrackingStatus::initialising);
+  CHECK(play.next(Update{}) == TrackingStatus::initialising);
+  CHECK(play.accepted() == TrackingStatus::ok);
+  CHECK_FALSE(play.tracking.divergence());
+}
+
+TEST_CASE("tracking: a refused update degrades, five accepted ones in a row recover") {
+  Play play;
+  play.accepted(3);
+  CHECK(play.refused() == TrackingStatus::degraded);
+  CHECK(play.accepted(4) == TrackingStatus::recovering);
+  CHECK(play.refused() == TrackingStatus::degraded);
+  CHECK(play.accepted(4) == TrackingStatus::recovering);
+  CHECK(play.accepted() == TrackingStatus::ok);
+  CHECK_FALSE(play.tracking.divergence());
+}
+
+TEST_CASE("tracking: a degenerate or unfinished update that was accepted is no refusal") {
+  Play play;
+  play.accepted();
+  for (const UpdateStatus status : {UpdateStatus::degenerate, UpdateStatus::not_converged}) {
+    Update update;
+    update.status = status;
+    update.accepted = true;
+    CHECK(play.next(update) == TrackingStatus::ok);
+  }
+}
+
+TEST_CASE("tracking: silence of more than max_silence ends the run, with moment and reason") {
+  Play play;
+  play.accepted(3);
+  CHECK(play.refused(10) == TrackingStatus::degraded);  // exactly 1.0 s
+  REQUIRE_FALSE(play.tracking.divergence());
+  CHECK(play.refused() == TrackingStatus::lost);
+  REQUIRE(play.tracking.divergence());
+  CHECK(play.tracking.divergence()->t == kEpoch + 14 * kTenth);
+  CHECK_THAT(play.tracking.divergence()->reason, Contains("no accepted update for 1.10 s") && Contains("few_matches"));
+}
+
+TEST_CASE("tracking: an accepted update ends the silence") {
+  Play play;
+  play.accepted();
+  for (int k = 0; k < 5; ++k) {
+    play.refused(9);
+    play.accepted();
+  }
+  CHECK_FALSE(play.tracking.divergence());
+}
+
+TEST_CASE("tracking: a gap in the data before a refused window counts with that window alone") {
+  Play play;
+  play.accepted(2);
+  play.t += 5 * kSecond;  // the next window begins behind the gap
+  play.refused(10);
+  CHECK_FALSE(play.tracking.divergence());
+}
+
+TEST_CASE("tracking: a speed beyond max_speed has diverged, also before the first match") {
+  Play play;
+  Update update;
+  update.state.v = Vec3(18, -24.1, 0);
+  CHECK(play.next(update) == TrackingStatus::lost);
+  REQUIRE(play.tracking.divergence());
+  CHECK(play.tracking.divergence()->t == kEpoch + kTenth);
+  CHECK_THAT(play.tracking.divergence()->reason, Contains("30.1 m/s") && Contains("max_speed 30.0 m/s"));
+}
+
+TEST_CASE("tracking: a state that is not finite has diverged, whichever part") {
+  const int part = GENERATE(0, 1, 2, 3, 4);
+  Play play;
+  play.accepted();
+  Update update;
+  update.accepted = true;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  if (part == 0) update.state.R(1, 2) = nan;
+  if (part == 1) update.state.p.x() = nan;
+  if (part == 2) update.state.v.y() = nan;
+  if (part == 3) update.state.b_w.z() = nan;
+  if (part == 4) update.state.b_a.x() = nan;
+  CHECK(play.next(update) == TrackingStatus::lost);
+  REQUIRE(play.tracking.divergence());
+  CHECK_THAT(play.tracking.divergence()->reason, Contains("not finite"));
+}
+
+TEST_CASE("tracking: the first divergence is the one that is told") {
+  Play play;
+  Update update;
+  update.state.v = Vec3(31, 0, 0);
+  play.next(update);
+  update.state.v = Vec3(1e9, 0, 0);
+  play.next(update);
+  CHECK(play.tracking.divergence()->t == kEpoch + kTenth);
+  CHECK_THAT(play.tracking.divergence()->reason, Contains("31.0 m/s"));
+}
