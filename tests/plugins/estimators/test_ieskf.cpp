@@ -217,3 +217,40 @@ TEST_CASE("a window without IMU data keeps the state and its covariance") {
   CHECK(update.states.size() == 1);
   CHECK(update.status == UpdateStatus::ok);
 }
+
+TEST_CASE("attitude noise over a window: the density times its length, at any IMU rate; more in turns when so chosen") {
+  // eqs. MOT-3, MOT-5. The map is empty, so that the covariance is the predicted one.
+  const auto growth = [](const char* noise, std::size_t every, double rate) {
+    Filter filter({std::string("estimator.noise=") + noise}, 0.01, true);
+    RoomWindow room(kRoomEpoch, kTenth, Pose{}, 1);
+    std::vector<ImuSample> imu;
+    for (std::size_t i = 0; i < room.imu.size(); i += every) imu.push_back(room.imu[i]);
+    for (ImuSample& s : imu) s.gyro.z() = rate;
+    room.window.imu = imu;
+    return filter.update(room).P(2, 2) - 1e-8 - 1e-8 * 0.1 * 0.1;  // less the start and the bias
+  };
+  const double density = SensorModel{}.gyro_noise;
+  CHECK(growth("physical", 1, 0) == Approx(density * density * 0.1).epsilon(0.01));
+  CHECK(growth("physical", 4, 0) == Approx(density * density * 0.1).epsilon(0.01));
+  CHECK(growth("rate_scaled", 1, 0) == Approx(density * density * 0.1).epsilon(0.01));
+  const double scale_error = 0.01 * 4.5;
+  CHECK(growth("rate_scaled", 1, 4.5) ==
+        Approx((density * density + scale_error * scale_error * 0.1) * 0.1).epsilon(0.01));
+}
+
+TEST_CASE("a single wall in view: the update counts, and is marked degenerate") {
+  Filter filter({}, 3.0);
+  filter.build_map(1);
+  RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2, 3000);
+  std::erase_if(room.fresh, [](const TimedPoint& p) {
+    return p.x < 3.99F || std::abs(p.y) > 2 || std::abs(p.z) > 1;  // away from the corners
+  });
+  room.window.fresh = room.fresh;
+  const Update& update = filter.update(room);
+  REQUIRE(update.fresh_matches > 50);
+  CHECK(update.accepted);
+  CHECK(update.status == UpdateStatus::degenerate);
+  // Along the wall, up it, and turning about its normal: nothing is known.
+  for (std::size_t i = 0; i < 3; ++i) CHECK(update.spectrum[i] < 1.0);
+  CHECK(update.spectrum[3] > 100.0);
+}
