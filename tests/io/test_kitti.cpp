@@ -79,6 +79,22 @@ TEST_CASE("points are timed by azimuth: from the rear over the left, the sensor 
   CHECK(*source->begin_time() == 1'317'042'272 * kSecond);
 }
 
+TEST_CASE("no point comes after an IMU sample of a later time") {
+  TemporaryFolder folder;
+  const auto source = open_source(write_drive(folder.path()), calibrated());
+  TimeNs last_imu = kTimeMin;
+  std::size_t scans = 0;
+  while (const auto measurement = source->next()) {
+    if (const auto* sample = std::get_if<ImuSample>(&*measurement)) {
+      last_imu = sample->t;
+      continue;
+    }
+    ++scans;
+    for (const TimedPoint& point : std::get<LidarPacket>(*measurement).points) CHECK(point.t >= last_imu);
+  }
+  CHECK(scans == 5);
+}
+
 TEST_CASE("missing and damaged files of a drive") {
   TemporaryFolder folder;
   const fs::path drive = write_drive(folder.path(), 2);

@@ -43,8 +43,9 @@ class KittiSource final : public MeasurementSource {
     while (true) {
       const bool scans_left = scan_ < drive_.scans.size(), imu_left = imu_ < drive_.imu.size();
       if (!scans_left && !imu_left) return std::nullopt;
-      // A scan arrives when its revolution is complete.
-      if (imu_left && (!scans_left || drive_.imu[imu_].t <= drive_.scans[scan_].end)) {
+      // By the time at which they begin, for a drive records no order of arrival. A scan after the IMU samples of its
+      // revolution would come too late in part when the odometry starts on one of them.
+      if (imu_left && (!scans_left || drive_.imu[imu_].t <= drive_.scans[scan_].begin)) {
         ImuSample sample = drive_.imu[imu_++];
         if (sample.t < from_ || sample.t >= until_) continue;
         sample.acc *= units_.acc;
