@@ -27,40 +27,42 @@ METRICS = [
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--aslio", required=True, help="the aslio executable")
-    parser.add_argument("--pipeline", required=True, nargs="+", help="one or more pipeline files")
+    add_common(parser)
     parser.add_argument("--input", required=True)
-    parser.add_argument("--sensor", required=True)
     parser.add_argument("--reference", required=True)
-    parser.add_argument("--output", required=True)
     parser.add_argument("--replicates", type=int, default=20)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="passed on to aslio run")
     return parser.parse_args()
 
 
-def run(options, pipeline, index):
-    name = pathlib.Path(pipeline).stem
-    folder = pathlib.Path(options.output) / name / f"{index:02d}"
-    start = 0.5 * index / max(options.replicates - 1, 1)
-    command = [options.aslio, "run", pipeline, "--input", options.input, "--sensor", options.sensor, "--output", str(folder),
-               "--reference", options.reference, "--seed", str(index), "--start", f"{start:.4f}", "--quiet"]
+def add_common(parser):
+    parser.add_argument("--aslio", required=True, help="the aslio executable")
+    parser.add_argument("--pipeline", required=True, nargs="+", help="one or more pipeline files")
+    parser.add_argument("--sensor", required=True)
+    parser.add_argument("--output", required=True)
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="passed on to aslio run")
+
+
+def run(options, pipeline, folder, recording, reference, more=()):
+    """One run; its summary. A run that could not start ends the script with its message."""
+    command = [options.aslio, "run", pipeline, "--input", str(recording), "--sensor", options.sensor, "--output", str(folder),
+               "--reference", str(reference), "--quiet", *more]
     for override in options.set:
         command += ["--set", override]
     result = subprocess.run(command, capture_output=True, text=True)
     if result.returncode not in (0, 1):
-        sys.exit(f"replicates: {' '.join(command)} ended with {result.returncode}:\n{result.stderr}")
-    return json.loads((folder / "summary.json").read_text())
+        sys.exit(f"{' '.join(command)} ended with {result.returncode}:\n{result.stderr}")
+    return json.loads((pathlib.Path(folder) / "summary.json").read_text())
 
 
-def main():
-    options = arguments()
+def table(options, count, run_one):
+    """Median and range of run_one(pipeline, index) for index < count, a row per pipeline."""
     print(f"| pipeline | runs | failed | {' | '.join(name for name, _, _ in METRICS)} |")
     print("|---" * (3 + len(METRICS)) + "|")
     for pipeline in options.pipeline:
         summaries = []
-        for index in range(options.replicates):
-            print(f"\r{pathlib.Path(pipeline).stem}: {index + 1}/{options.replicates}", end="", file=sys.stderr, flush=True)
-            summaries.append(run(options, pipeline, index))
+        for index in range(count):
+            print(f"\r{pathlib.Path(pipeline).stem}: {index + 1}/{count}", end="", file=sys.stderr, flush=True)
+            summaries.append(run_one(pipeline, index))
         print("\r\033[K", end="", file=sys.stderr)
         usable = [s for s in summaries if s["status"] in ("ok", "degraded")]
         cells = []
@@ -70,6 +72,17 @@ def main():
                 [form.format(statistics.median(values)), f"({form.format(min(values))} to {form.format(max(values))})"]))
         print(f"| {pathlib.Path(pipeline).stem} | {len(summaries)} | {len(summaries) - len(usable)} | {' | '.join(cells)} |",
               flush=True)
+
+
+def main():
+    options = arguments()
+
+    def replicate(pipeline, index):
+        start = 0.5 * index / max(options.replicates - 1, 1)
+        return run(options, pipeline, pathlib.Path(options.output) / pathlib.Path(pipeline).stem / f"{index:02d}",
+                   options.input, options.reference, ["--seed", str(index), "--start", f"{start:.4f}"])
+
+    table(options, options.replicates, replicate)
 
 
 if __name__ == "__main__":

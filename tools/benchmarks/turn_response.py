@@ -50,7 +50,7 @@ def updates(run):
     with open(pathlib.Path(run) / "updates.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     out = []
-    for before, row in zip(rows, rows[1:]):
+    for before, row in zip(rows, rows[1:-1]):  # the end of the recording cuts the last window short
         begin, end = int(before["t_ns"]), int(row["t_ns"])
         out.append((1e-9 * end, 1e9 / (end - begin), float(row["sod"]) if row["sod"] else None))
     return out
@@ -73,14 +73,14 @@ def respond(run, times, rates):
 
 
 PLOT = """
-set terminal svg size 900,620 dynamic background rgb 'white' font 'sans,12'
+set terminal svg dynamic size 900,620 font 'sans,12' background rgb 'white'
 set output '{output}'
 set multiplot layout 3,1 margins 0.08,0.98,0.09,0.97 spacing 0.05
 set grid; unset key; set format x ''
 set ylabel 'turn rate [rad/s]'; plot '{gyro}' using 1:2 with lines lc rgb '#555555'
 set ylabel 'overlap'; set yrange [0:1.05]; plot '{steps}' using 1:3 with lines lc rgb '#0066aa'
 set ylabel 'update rate [Hz]'; set yrange [0:*]; set format x '%g'; set xlabel 'time [s]'
-plot '{steps}' using 1:2 with steps lc rgb '#aa3300'
+plot '{steps}' using 1:2 with fsteps lc rgb '#aa3300'
 """
 
 
@@ -90,7 +90,7 @@ def plot(run, times, rates, output):
         origin = times[0]
         gyro.write_text("".join(f"{t - origin:.3f} {w:.4f}\n" for t, w in list(zip(times, rates))[::8]))
         steps.write_text("".join(f"{t - origin:.3f} {r:.2f} {'nan' if o is None else f'{o:.4f}'}\n" for t, r, o in updates(run)))
-        subprocess.run(["gnuplot", "-e", PLOT.format(output=output, gyro=gyro, steps=steps)], check=True)
+        subprocess.run(["gnuplot"], input=PLOT.format(output=output, gyro=gyro, steps=steps), text=True, check=True)
 
 
 def main():
