@@ -48,12 +48,13 @@ double worst_vertical(const Run& run, const simulator::AnalyticWorld& world) {
 
 TEST_CASE("both pipelines follow the walk; the adaptive one updates faster in sharp turns and not at rest") {
   const World w({.seed = 2});
-  // Measured: 0.011 m, 0.26 deg, 0.014 m; 0.024 m, 0.35 deg, 0.022 m. The bounds are twice that.
+  // Measured: as_lio 0.008 m, 0.17 deg, 0.021 m at the end; fixed_window 0.036 m, 0.55 deg, 0.039 m. The bounds leave
+  // a factor of two, three for as_lio's 8 mm: other phases of the stride give 0.008 to 0.011 m.
   struct Bound {
     const char* name;
     double ate, ate_deg, end;
   };
-  for (const Bound& bound : {Bound{"as_lio", 0.025, 0.55, 0.03}, Bound{"fixed_window", 0.05, 0.7, 0.045}}) {
+  for (const Bound& bound : {Bound{"as_lio", 0.025, 0.55, 0.045}, Bound{"fixed_window", 0.075, 1.1, 0.08}}) {
     Run run(shipped(bound.name), w.world.sensor());
     run.play(w.recording);
     CAPTURE(bound.name);
