@@ -1,53 +1,14 @@
 // On the recordings in ASLIO_RECORDINGS_DIR, unpacked once into the build folder. Missing data fail the test.
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <ctime>
 
 #include "io/bag_fixture.hpp"
+#include "recordings/unpacked.hpp"
 
 namespace aslio::io::test {
-namespace {
-
-namespace fs = std::filesystem;
-
-const fs::path kData = ASLIO_RECORDINGS_DIR;
-const fs::path kUnpacked = fs::path(ASLIO_BINARY_DIR) / "recordings" / "io";
-
-void run(const std::string& command) {
-  INFO(command);
-  REQUIRE(std::system(command.c_str()) == 0);  // fixed commands on configured paths
-}
-
-/// Several tests may run at once: the file appears whole.
-fs::path avia() {
-  const fs::path bag = kUnpacked / "avia_corridor.bag";
-  if (fs::exists(bag)) return bag;
-  INFO("missing recording: set ASLIO_RECORDINGS_DIR");
-  REQUIRE(fs::exists(kData / "avia_corridor.bag.xz"));
-  fs::create_directories(kUnpacked);
-  const TemporaryFolder folder;
-  const std::string part = (kUnpacked / folder.path().filename()).string();
-  run("xz -dc '" + (kData / "avia_corridor.bag.xz").string() + "' > '" + part + "'");
-  fs::rename(part, bag);
-  return bag;
-}
-
-fs::path kitti() {
-  const fs::path root = kUnpacked / "kitti";
-  if (fs::exists(root / "done")) return root;
-  INFO("missing recording: set ASLIO_RECORDINGS_DIR");
-  REQUIRE(fs::exists(kData / "unpack_kitti.py"));
-  fs::create_directories(root);
-  run("python3 '" + (kData / "unpack_kitti.py").string() + "' '" + root.string() + "' > '" +
-      (kUnpacked / "unpack.log").string() + "'");
-  write_bytes(root / "done", {});
-  return root;
-}
-
-}  // namespace
 
 TEST_CASE("the whole corridor of the Avia is read, fast") {
-  const fs::path bag = avia();
+  const std::filesystem::path bag = aslio::test::unpacked_avia();
   const std::clock_t begin = std::clock();
   const auto source = open_source(bag, {});
   const Counts counts = drain(*source);
@@ -62,7 +23,7 @@ TEST_CASE("the whole corridor of the Avia is read, fast") {
 }
 
 TEST_CASE("the corridor is understood by inspection") {
-  const InputReport report = inspect(avia());
+  const InputReport report = inspect(aslio::test::unpacked_avia());
   CHECK(report.usable);
   REQUIRE(report.topics.size() == 2);
   CHECK(report.topics[0].rate == Approx(200).epsilon(1e-4));
@@ -72,7 +33,7 @@ TEST_CASE("the corridor is understood by inspection") {
 
 TEST_CASE("the KITTI drive is read whole") {
   SensorConfig sensor;
-  const auto source = open_source(kitti(), sensor);
+  const auto source = open_source(aslio::test::unpacked_kitti(), sensor);
   const TimeNs begin = *source->begin_time();
   const Counts counts = drain(*source);
   CHECK(counts.packets == 154);

@@ -1,0 +1,70 @@
+#include "recordings/recorded_run.hpp"
+
+#include <spdlog/sinks/null_sink.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "aslio/core/sha256.hpp"
+#include "recordings/unpacked.hpp"
+#include "register_all.hpp"
+
+namespace aslio::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Unwatched final : public experiment::RunMonitor {
+ public:
+  void on_start(const io::SourceNotes&) override {}
+  void on_progress(const experiment::Progress&) override {}
+  bool stop_requested() override { return false; }
+};
+
+/// Column t_ns, the first.
+std::vector<TimeNs> read_update_times(const fs::path& csv) {
+  std::ifstream file(csv);
+  std::string line;
+  std::getline(file, line);
+  if (!line.starts_with("t_ns,")) throw std::runtime_error(csv.string() + ": the first column is not t_ns");
+  std::vector<TimeNs> times;
+  while (std::getline(file, line)) times.push_back(std::stoll(line));
+  return times;
+}
+
+RecordedRun run(const std::string& pipeline, int threads, const fs::path& input, const char* sensor,
+                const fs::path& reference) {
+  const fs::path configs = fs::path(ASLIO_SOURCE_DIR) / "configs";
+  // Tests of one folder may run at once.
+  const fs::path output =
+      fs::path(ASLIO_BINARY_DIR) / "recordings" / ("run_" + pipeline + "_" + std::to_string(getpid()));
+  experiment::RunOptions options;
+  options.pipeline = configs / "pipelines" / (pipeline + ".yaml");
+  options.input = input;
+  options.sensor = configs / "sensors" / sensor;
+  options.output = output;
+  options.threads = threads;
+  options.reference = reference;
+  plugin::Catalog catalog;
+  plugins::register_all(catalog);
+  Unwatched monitor;
+  const auto log = std::make_shared<spdlog::logger>("run", std::make_shared<spdlog::sinks::null_sink_mt>());
+  RecordedRun out;
+  out.summary = experiment::run(options, catalog, monitor, log).summary;
+  out.trajectory_sha256 = sha256_of_file(output / "trajectory.tum");
+  out.update_times = read_update_times(output / "updates.csv");
+  fs::remove_all(output);
+  return out;
+}
+
+}  // namespace
+
+RecordedRun run_on_avia(const std::string& pipeline, int threads) {
+  return run(pipeline, threads, unpacked_avia(), "livox_avia.yaml", recorded("avia_corridor.gt.tum"));
+}
+
+RecordedRun run_on_kitti(const std::string& pipeline, int threads) {
+  return run(pipeline, threads, unpacked_kitti(), "kitti_hdl64.yaml", recorded("reference/kitti_0005/fast_lio2.tum"));
+}
+
+}  // namespace aslio::test

@@ -1,0 +1,33 @@
+#pragma once
+/// Runs of the shipped pipelines over the recordings, as `aslio run` does them.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "aslio/experiment/run.hpp"
+
+namespace aslio::test {
+
+/// Where the figures of cost mean something: sanitizers, assertions and missing optimisation multiply them.
+#if defined(__OPTIMIZE__) && defined(NDEBUG) && !defined(_GLIBCXX_ASSERTIONS) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+inline constexpr bool kCostCounts = true;
+#else
+inline constexpr bool kCostCounts = false;
+#endif
+
+struct RecordedRun {
+  experiment::Summary summary;
+  std::string trajectory_sha256;     ///< of trajectory.tum
+  std::vector<TimeNs> update_times;  ///< ends of the windows, from updates.csv
+  double ate_m() const { return summary.evaluation.value().ate.translation.rmse; }
+  double cpu_per_s() const { return summary.cpu_s / summary.data_s; }
+};
+
+/// `pipeline` names a file of configs/pipelines. Throws what experiment::run() and unpacked_*() throw.
+RecordedRun run_on_avia(const std::string& pipeline, int threads = 1);
+/// Evaluated against FAST-LIO2, for OXTS drifts by metres here.
+RecordedRun run_on_kitti(const std::string& pipeline, int threads = 1);
+
+}  // namespace aslio::test
