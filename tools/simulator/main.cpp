@@ -1,5 +1,7 @@
 /// Command line of the analytic world.
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <string>
@@ -31,14 +33,17 @@ int main(int argc, char** argv) {
   options.lidar_noise = options.imu_noise = !no_noise;
   try {
     const aslio::simulator::AnalyticWorld world(options);
-    int shown = -1;
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    const int step = terminal ? 5 : 25;  // in percent: a line that is redrawn, or a few plain ones
+    int shown = 0;
     aslio::simulator::write_recording(world, output, [&](double share) {
       const int percent = static_cast<int>(100 * share);
-      if (quiet || percent / 5 == shown) return;
-      shown = percent / 5;
-      std::fprintf(stderr, "\rsimulating: %3d %%", percent);
+      if (quiet || percent / step == shown) return;
+      shown = percent / step;
+      std::fprintf(stderr, terminal ? "\rsimulating: %3d %%" : "simulating: %3d %%\n", percent);
     });
-    if (!quiet) std::fprintf(stderr, "\rwrote %s/world.bag and truth.tum\n", output.c_str());
+    if (!quiet)
+      std::fprintf(stderr, "%swrote %s/world.bag and truth.tum\n", terminal ? "\r\033[K" : "", output.c_str());
   } catch (const aslio::ConfigError& error) {
     std::fprintf(stderr, "\naslio_simulate_world: %s\n", error.what());
     return 2;
