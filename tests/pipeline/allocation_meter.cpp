@@ -5,8 +5,10 @@
 #include <new>
 
 // Names given by the linker's --wrap.
-extern "C" void* __real_malloc(std::size_t size);  // NOLINT
-extern "C" void* __wrap_malloc(std::size_t size);  // NOLINT
+extern "C" void* __real_malloc(
+    std::size_t size);  // NOLINT(bugprone-reserved-identifier): a name that --wrap prescribes
+extern "C" void* __wrap_malloc(
+    std::size_t size);  // NOLINT(bugprone-reserved-identifier): a name that --wrap prescribes
 
 namespace {
 
@@ -22,7 +24,8 @@ void note() {
 void aslio::test::arm_allocation_meter(bool on) { armed.store(on); }
 std::size_t aslio::test::allocations_metered() { return count.load(); }
 
-extern "C" void* __wrap_malloc(std::size_t size) {  // NOLINT
+extern "C" void* __wrap_malloc(
+    std::size_t size) {  // NOLINT(bugprone-reserved-identifier): a name that --wrap prescribes
   note();
   return __real_malloc(size);
 }
