@@ -1,5 +1,7 @@
 #include "aslio/config/document.hpp"
 
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -94,6 +96,10 @@ TEST_CASE("Files that cannot be read are named with the reason") {
   CHECK(file_error(dir / "absent.yaml") ==
         (dir / "absent.yaml").string() + ": cannot be opened: No such file or directory");
   CHECK(file_error(dir) == dir.string() + ": is a directory, not a file");
+  CHECK(file_error("/dev/zero") == "/dev/zero: is a pipe or device, not a regular file");
+  const std::filesystem::path pipe = dir / "pipe.yaml";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK(file_error(pipe) == pipe.string() + ": is a pipe or device, not a regular file");
   const std::filesystem::path large = dir / "large.yaml";
   std::ofstream(large) << std::string(1'000'001, ' ');
   CHECK(file_error(large) == large.string() + ": larger than 1000000 bytes: no configuration is that long");

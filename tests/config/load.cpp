@@ -72,6 +72,40 @@ TEST_CASE("Everything wrong is reported at once, in the order of the file, overr
         "--set note=[a]: 'note' must be text, is a list");
 }
 
+TEST_CASE("A key given twice hides no other error") {
+  CHECK(error_of("window:\n  type: pendulum\n  teeth: 1\n  teeth: 5\n  lod: true\nnote: &x a\nnote: b\nmax_speed: 0\n",
+                 {{"frame=3"}}) ==
+        "a.yaml:4:10: 'window.teeth' is out of range: 1, admissible is [2, 100]\n"
+        "a.yaml:5:3: duplicate key 'teeth': remove one of them\n"
+        "a.yaml:6:3: unknown key 'window.lod' (did you mean 'loud'?)\n"
+        "a.yaml:7:7: anchors are not supported (&x): write the values out\n"
+        "a.yaml:8:1: duplicate key 'note': remove one of them\n"
+        "a.yaml:9:12: 'max_speed' is out of range: 0 m/s, admissible is > 0 m/s\n"
+        "--set frame=3: 'frame' must be a block of keys, is '3'");
+  CHECK(error_of("window: quartz\nwindow: quartz\n", {{"samplers.1=quartz"}}) ==
+        "a.yaml:3:1: duplicate key 'window': remove one of them\n"
+        "--set samplers.1=quartz: 'samplers' has 0 elements: the index must be at most 0 (which appends one)");
+  const plugin::Catalog catalog = make_catalog();
+  CHECK_THROWS_WITH(config::parse<Workshop>("note: a\nnote: b\n", "a.yaml", config::FileKind::pipeline, catalog),
+                    "a.yaml:1:1: the file must begin with 'schema: aslio/pipeline/1', but begins with 'note'\n"
+                    "a.yaml:2:1: duplicate key 'note': remove one of them");
+  // A hole in the tree is no missing key.
+  CHECK(error_of("note: &w quartz\nwindow: *w\n") ==
+        "a.yaml:2:7: anchors are not supported (&w): write the values out\n"
+        "a.yaml:3:9: aliases (*name) are not supported: write the values out");
+}
+
+TEST_CASE("A cross-check that an override breaks names the override") {
+  const std::string text = "window: {type: pendulum, step_min: 0.2, step_max: 0.4}\n";
+  CHECK(error_of(text, {{"window.step_max=0.1"}}) ==
+        "a.yaml:2:36: 'window.step_min' = 0.2 must not exceed step_max (window.step_max was set by --set "
+        "window.step_max=0.1)");
+  CHECK(error_of(text, {{"window.step_min=0.5"}}) ==
+        "--set window.step_min=0.5: 'window.step_min' = 0.5 must not exceed step_max");
+  CHECK(error_of(text, {{"window={type: pendulum, step_min: 0.6}"}}) ==
+        "--set window={type: pendulum, step_min: 0.6}: 'window.step_min' = 0.6 must not exceed step_max");
+}
+
 TEST_CASE("Unknown keys without a near name list the known ones") {
   CHECK(error_of("window: {type: quartz, zzzzzz: 1}\n") ==
         "a.yaml:2:24: unknown key 'window.zzzzzz' (known: type, frequency)");

@@ -25,7 +25,8 @@ namespace {
 class TreeBuilder final : public YAML::EventHandler {
  public:
   /// With `fixed`, every node is at `at` (an override has no lines); otherwise at its mark in the source of `at`.
-  TreeBuilder(Location at, bool fixed) : base_(std::move(at)), fixed_(fixed), root_(Node::null(base_)) {}
+  TreeBuilder(Location at, bool fixed, Problems& problems)
+      : base_(std::move(at)), fixed_(fixed), problems_(problems), root_(Node::null(base_)) {}
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
@@ -33,6 +34,7 @@ class TreeBuilder final : public YAML::EventHandler {
     problems_.add(place(mark), "anchors are not supported (&" + name + "): write the values out");
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    whole_ = false;
     problems_.add(place(mark), "aliases (*name) are not supported: write the values out");
     put(Node::null(place(mark)));
   }
@@ -57,7 +59,8 @@ class TreeBuilder final : public YAML::EventHandler {
     put(Node::map(std::move(level.members), std::move(level.at)));
   }
 
-  const Problems& problems() const { return problems_; }
+  /// False when something that was refused left a hole: what is missing then must not be reported as well.
+  bool whole() const { return whole_; }
   Node take() { return std::move(root_); }
   Location place(const YAML::Mark& mark) const {
     Location at = base_;
@@ -127,8 +130,10 @@ class TreeBuilder final : public YAML::EventHandler {
     level.drop_key = true;
     level.key_at = node.at();
     if (!node.is_scalar() || node.text().empty()) {
+      whole_ = false;
       problems_.add(node.at(), "a key must be a name");
     } else if (node.text() == "<<") {
+      whole_ = false;
       problems_.add(node.at(), "merge keys (<<) are not supported: write the keys out");
     } else if (!level.keys.insert(node.text()).second) {
       problems_.add(node.at(), "duplicate key " + quote(node.text()) + ": remove one of them");
@@ -140,7 +145,8 @@ class TreeBuilder final : public YAML::EventHandler {
 
   Location base_;
   bool fixed_;
-  Problems problems_;
+  Problems& problems_;
+  bool whole_ = true;
   std::vector<Level> levels_;
   std::size_t nodes_ = 0;
   Node root_;
@@ -164,38 +170,54 @@ void check_characters(std::string_view text, Location at, bool fixed) {
   }
 }
 
-Node build(std::string_view text, const Location& at, bool fixed) {
+Node build(std::string_view text, const Location& at, bool fixed, Problems& problems) {
   if (text.size() > kMaxFileBytes) {
     fail(at, std::to_string(text.size()) + " bytes, at most " + std::to_string(kMaxFileBytes) + " are read");
   }
   check_characters(text, at, fixed);
-  TreeBuilder builder(at, fixed);
+  TreeBuilder builder(at, fixed, problems);
   try {
     std::istringstream stream{std::string(text)};
     YAML::Parser parser(stream);
     parser.HandleNextDocument(builder);
-    TreeBuilder second(at, fixed);
+    Problems of_second;
+    TreeBuilder second(at, fixed, of_second);
     if (parser.HandleNextDocument(second)) fail(at, "more than one document: remove what follows '---'");
   } catch (const YAML::Exception& error) {
     fail(builder.place(error.mark), "not valid YAML: " + error.msg);
   }
-  builder.problems().raise();
+  if (!builder.whole()) problems.raise();
   return builder.take();
 }
 
 }  // namespace
 
-Node parse_document(std::string_view text, const std::string& source) {
+Node parse_document(std::string_view text, const std::string& source, Problems& problems) {
   Location at;
   at.source = std::make_shared<const std::string>(source);
-  return build(text, at, false);
+  return build(text, at, false, problems);
 }
 
-Node parse_value(std::string_view text, const Location& at) { return build(text, at, true); }
+Node parse_document(std::string_view text, const std::string& source) {
+  Problems problems;
+  Node root = parse_document(text, source, problems);
+  problems.raise();
+  return root;
+}
+
+Node parse_value(std::string_view text, const Location& at) {
+  Problems problems;
+  Node value = build(text, at, true, problems);
+  problems.raise();
+  return value;
+}
 
 std::string read_text(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw ConfigError(path.string() + ": is a directory, not a file");
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status)) throw ConfigError(path.string() + ": is a directory, not a file");
+  // Opening a pipe would wait for its writer.
+  if (std::filesystem::is_other(status)) throw ConfigError(path.string() + ": is a pipe or device, not a regular file");
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) throw ConfigError(path.string() + ": cannot be opened: " + std::strerror(errno));

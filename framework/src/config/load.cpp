@@ -18,34 +18,47 @@ constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor, FileKind::scen
 
 std::string schema_of(FileKind kind) { return "aslio/" + std::string(name(kind)) + "/1"; }
 
-[[noreturn]] void fail(const Location& at, const std::string& message) {
-  throw ConfigError(printable(at.text() + ": " + message));
+/// Reading ends here: the problem is reported with those found before.
+[[noreturn]] void fail(const Location& at, const std::string& message, Problems problems = {}) {
+  problems.add(at, message);
+  throw ConfigError(problems.text());
 }
 
 /// The value of the first key, which must be `schema`.
-const Node& schema_value(const Node& root, const std::string& expected) {
+const Node& schema_value(const Node& root, const std::string& expected, const Problems& problems = {}) {
   if (!root.is_map() || root.members().empty()) {
     const std::string is = root.is_null() || root.is_map() ? "is empty" : "is not a block of keys";
-    fail(root.at(), "the file must begin with 'schema: " + expected + "', but " + is);
+    fail(root.at(), "the file must begin with 'schema: " + expected + "', but " + is, problems);
   }
   const Member& first = root.members().front();
   if (first.key != "schema") {
-    fail(first.at, "the file must begin with 'schema: " + expected + "', but begins with " + quote(first.key));
+    fail(first.at, "the file must begin with 'schema: " + expected + "', but begins with " + quote(first.key),
+         problems);
   }
-  if (!first.value.is_scalar()) fail(first.value.at(), "schema must be " + expected);
+  if (!first.value.is_scalar()) fail(first.value.at(), "schema must be " + expected, problems);
   return first.value;
 }
 
-void check_schema(const Node& root, FileKind kind) {
+void check_schema(const Node& root, FileKind kind, const Problems& problems) {
   const std::string expected = schema_of(kind);
-  const Node& value = schema_value(root, expected);
+  const Node& value = schema_value(root, expected, problems);
   if (value.text() == expected) return;
   std::string reason;
   for (const FileKind other : kKinds) {
     if (value.text() == schema_of(other)) reason = " (this is a " + std::string(name(other)) + " file)";
   }
   if (value.text().starts_with("aslio/" + std::string(name(kind)) + '/')) reason = " (this build reads version 1)";
-  fail(value.at(), "expected schema " + expected + ", found " + quote(value.text()) + reason);
+  fail(value.at(), "expected schema " + expected + ", found " + quote(value.text()) + reason, problems);
+}
+
+/// The overrides come last in a message: an error of theirs goes behind those of the file.
+Node overridden(const Node& written, std::span<const Override> overrides, const Problems& problems) {
+  try {
+    return apply_overrides(written, overrides);
+  } catch (const ConfigError& error) {
+    if (problems.size() == 0) throw;
+    throw ConfigError(problems.text() + '\n' + error.what());
+  }
 }
 
 /// The file as a whole is where a missing key is missing.
@@ -87,10 +100,10 @@ FileKind peek_kind(const std::filesystem::path& path) {
 
 Bound bind_text(std::string_view text, const std::string& source, FileKind kind, const StageLookup& stages,
                 std::span<const Override> overrides, const std::function<void(Binder&)>& describe) {
-  const Node written = parse_document(text, source);
-  check_schema(written, kind);
-  const Node root = apply_overrides(written, overrides);
   Problems problems;
+  const Node written = parse_document(text, source, problems);
+  check_schema(written, kind, problems);
+  const Node root = overridden(written, overrides, problems);
   ParseBinder binder(stages, problems);
   const std::vector<Member> first{{"schema", {}, Node::scalar(schema_of(kind), false, {})}};
   const Node resolved = binder.bind(Node::map(root.members(), start_of(root)), "", first, describe);

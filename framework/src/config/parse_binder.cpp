@@ -32,6 +32,15 @@ std::string what_stands_there(const Node& node) {
   return {};
 }
 
+/// Where the value of a key was set by an override: its own place, or that of the first such element of a list.
+const Location* override_of(const Node& value) {
+  if (value.at().order > 0) return &value.at();
+  for (const Node& item : value.items()) {
+    if (item.is_scalar() && item.at().order > 0) return &item.at();
+  }
+  return nullptr;
+}
+
 bool contains(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -259,7 +268,15 @@ void ParseBinder::require(bool ok, std::string_view key, std::string_view messag
   if (effective != level.resolved.end() && !effective->value.is_map()) {
     text += " = " + to_line(effective->value) + (given == nullptr ? " (default)" : "");
   }
-  problems_.add(given != nullptr ? given->value.at() : level.node.at(), text + ' ' + std::string(message));
+  const Location& at = given != nullptr ? given->value.at() : level.node.at();
+  text.append(" ").append(message);
+  // The place is that of the key complained of; what broke the rule may be an override of another key of the block.
+  for (const Member& member : level.node.members()) {
+    const Location* set = override_of(member.value);
+    if (set == nullptr || set->order == at.order) continue;
+    text += fmt::format(" ({} was set by {})", path_of(member.key), set->text());
+  }
+  problems_.add(at, text);
 }
 
 }  // namespace aslio::config

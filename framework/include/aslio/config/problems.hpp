@@ -12,8 +12,9 @@ class Problems {
  public:
   void add(const Location& at, const std::string& message);
   std::size_t size() const { return found_.size(); }
-  /// Throws one ConfigError: a line "place: message" per problem, in the order of the places. Nothing when there is
-  /// none.
+  /// A line "place: message" per problem, in the order of the places.
+  std::string text() const;
+  /// Throws text() as one ConfigError; does nothing when there is no problem.
   void raise() const;
 
  private:
