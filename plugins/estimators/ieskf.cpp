@@ -25,9 +25,13 @@ void Ieskf::describe(config::Binder& b, Params& p) {
            "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
            "scale "
            "factor and delay that grow with the turn rate");
-  b.choice("association", p.association,
-           {{"every_iteration", Association::every_iteration}, {"on_convergence", Association::on_convergence}},
-           "when neighbours are searched again");
+  b.choice(
+      "association", p.association,
+      {{"every_iteration", Association::every_iteration},
+       {"on_convergence", Association::on_convergence},
+       {"once", Association::once}},
+      "when neighbours are searched: at every iteration; again when a step has converged, until two have (FAST-LIO2); "
+      "or only at the predicted pose");
   b.integer("max_iterations", p.max_iterations, "", {.min = 1, .max = 50}, "iterations at most");
   b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one point-to-surface residual");
   b.real("converged_m", p.converged_m, "m", {.above = 0, .max = 1},
@@ -196,7 +200,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   const NavState prior = state_;
   NavState x = prior;
   bool search = true;
-  bool converged = false;
+  int converged_steps = 0;
   for (int j = 0; j < params_.max_iterations; ++j) {
     if (search) {
       const CpuTimer timer(result_.times.associate);
@@ -221,17 +225,21 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const StateVector delta = iteration_step(P, A_all, b_all, d);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
     x = box_plus(x, delta, params_.gravity != Gravity::free);
-    const double turn = delta.segment<3>(block::theta).norm();
+    const double turn = delta.segment<3>(block::theta).norm() / kRadPerDeg;
     const double shift = delta.segment<3>(block::p).norm();
-    converged = turn < params_.converged_deg * kRadPerDeg && shift < params_.converged_m;
-    const bool last = converged || j + 1 == params_.max_iterations;
-    if (last) {
-      result_.status = converged || (turn < 10 * params_.converged_deg * kRadPerDeg && shift < 10 * params_.converged_m)
-                           ? UpdateStatus::ok
-                           : UpdateStatus::not_converged;
+    const bool converged = turn < params_.converged_deg && shift < params_.converged_m;
+    converged_steps += converged ? 1 : 0;
+    // FAST-LIO2's rule searches again once the step has converged, and needs a second converged step to end.
+    const int enough = params_.association == Association::on_convergence ? 2 : 1;
+    if (converged_steps >= enough || j + 1 == params_.max_iterations) {
+      // A last step ten times too long is noise of the association; a longer one says that the pose is still on its
+      // way.
+      const bool settled = turn < 10 * params_.converged_deg && shift < 10 * params_.converged_m;
+      result_.status = settled ? UpdateStatus::ok : UpdateStatus::not_converged;
       return accept(x, P, sums, A_all, past);
     }
-    search = params_.association == Association::every_iteration;
+    search = params_.association == Association::every_iteration ||
+             (params_.association == Association::on_convergence && converged);
   }
 }
 

@@ -15,7 +15,7 @@ class Ieskf final : public Estimator {
  public:
   enum class Gravity : std::uint8_t { s2, free, fixed };
   enum class Noise : std::uint8_t { fastlio, physical, rate_scaled };
-  enum class Association : std::uint8_t { every_iteration, on_convergence };
+  enum class Association : std::uint8_t { every_iteration, on_convergence, once };
 
   struct Params {
     Gravity gravity = Gravity::s2;

@@ -48,6 +48,17 @@ TEST_CASE("tracking: initialising until the first accepted update") {
   CHECK_FALSE(play.tracking.divergence());
 }
 
+TEST_CASE("tracking: a map that stays empty for longer than max_silence is a divergence that names the likely cause") {
+  Play play;
+  for (int i = 0; i < 10; ++i) play.next(Update{});
+  CHECK_FALSE(play.tracking.divergence());
+  play.next(Update{});
+  REQUIRE(play.tracking.divergence());
+  CHECK(play.tracking.status() == TrackingStatus::lost);
+  CHECK(play.tracking.divergence()->reason ==
+        "the map is still empty after 1.10 s: no point got through the samplers (range limits?)");
+}
+
 TEST_CASE("tracking: a refused update degrades, five accepted ones in a row recover") {
   Play play;
   play.accepted(3);

@@ -17,7 +17,16 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   if (const double speed = s.v.norm(); speed > max_speed_) {
     return diverge(end, fmt::format("the speed is {:.1f} m/s, above max_speed {:.1f} m/s", speed, max_speed_));
   }
-  if (update.status == UpdateStatus::initialising) return;
+  if (update.status == UpdateStatus::initialising) {
+    // One window builds the map. A map that stays empty gets no points, and nothing will ever be registered.
+    if (silent_since_ == kTimeMin) silent_since_ = begin;
+    if (end - silent_since_ > max_silence_) {
+      diverge(end,
+              fmt::format("the map is still empty after {:.2f} s: no point got through the samplers (range limits?)",
+                          to_seconds(end - silent_since_)));
+    }
+    return;
+  }
   if (update.accepted) {
     silent_since_ = kTimeMin;
     ++accepted_in_a_row_;

@@ -67,6 +67,30 @@ std::vector<HistoryPoint> old_points(int count) {
   return out;
 }
 
+/// Passes everything on and counts the searches for fresh points.
+class CountingMap final : public Map {
+ public:
+  explicit CountingMap(Map& map) : map_(map) {}
+  void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override {
+    if (!queries.empty()) ++searches;
+    map_.correspond(queries, query, out);
+  }
+  InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override {
+    return map_.insert(points, stamp);
+  }
+  void trim(const Vec3& centre_W) override { map_.trim(centre_W); }
+  void clear() override { map_.clear(); }
+  std::size_t size() const override { return map_.size(); }
+  std::size_t memory_bytes() const override { return map_.memory_bytes(); }
+  double radius() const override { return map_.radius(); }
+  void visit(const std::function<void(const Vec3&)>& visitor) const override { map_.visit(visitor); }
+
+  mutable int searches = 0;
+
+ private:
+  Map& map_;
+};
+
 double pose_trace(const StateMatrix& P) { return P.topLeftCorner<6, 6>().trace(); }
 
 bool same_state(const NavState& a, const NavState& b) { return pipeline::state_digest(a) == pipeline::state_digest(b); }
@@ -87,6 +111,27 @@ TEST_CASE("the filter finds the pose from which the room was measured") {
   CHECK(update.history_matches == 0);
   CHECK(update.prior.p.norm() < 1e-3);
   CHECK((update.trajectory->pose(kRoomEpoch + kTenth).p - update.state.p).norm() < 1e-12);
+}
+
+TEST_CASE("association: at every iteration, again on convergence, or once") {
+  for (const std::string rule : {"every_iteration", "on_convergence", "once"}) {
+    CAPTURE(rule);
+    Filter filter({"estimator.association=" + rule, "estimator.max_iterations=10"}, 3.0);
+    filter.build_map(1);
+    CountingMap map(*filter.map);
+    const Pose truth{exp_so3(Vec3(0.02, -0.01, 0.03)), Vec3(0.15, -0.1, 0.1)};
+    const RoomWindow room(kRoomEpoch, kTenth, truth, 2);
+    const Update& update = filter.estimator->update(room.window, {}, {filter.samplers, map, filter.history});
+    REQUIRE(update.accepted);
+    CHECK(update.iterations > 1);
+    if (rule == "every_iteration") CHECK(map.searches == update.iterations);
+    if (rule == "once") CHECK(map.searches == 1);
+    if (rule == "on_convergence") {
+      CHECK(map.searches >= 2);
+      CHECK(map.searches < update.iterations);
+    }
+    if (rule != "once") CHECK((update.state.p - truth.p).norm() < 2e-3);
+  }
 }
 
 TEST_CASE("predict says what the next update starts from and changes nothing") {

@@ -14,7 +14,7 @@ struct Divergence {
 };
 
 /// Follows the health of a run from update to update. An update is refused when its step was not accepted.
-///   initialising -> ok          with the first accepted update
+///   initialising -> ok          with the first accepted update; -> lost when the map is still empty after max_silence
 ///   ok -> degraded              after a refused update; -> ok after kRecovered accepted ones in a row
 ///   degraded -> lost            after more than max_silence of refused updates (which also ends the run as diverged)
 class Tracking {
