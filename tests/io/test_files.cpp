@@ -114,6 +114,18 @@ TEST_CASE("errors in a TUM file name the line") {
   CHECK(contains(error("1 2 3"), "t.tum:4: 3 columns"));
   CHECK(contains(error("1 2 3 4 0 0 0 1 9"), "9 columns"));
   CHECK(contains(error("1,5 1 2 3 0 0 0 1"), "not a time in seconds: '1,5'"));
+  CHECK(contains(error("1600000000123456789 1 2 3 0 0 0 1"),
+                 "t.tum:4: not a time in seconds, but as it seems in nanoseconds: divide the stamps by 1e9: '16"));
+  CHECK(contains(error("1600000000123456 1 2 3 0 0 0 1"), "microseconds: divide the stamps by 1e6"));
+  CHECK(contains(error("1600000000123 1 2 3 0 0 0 1"), "milliseconds: divide the stamps by 1e3"));
+  for (const std::string late : {"0 1 2 3 0 0 0 1", "-1.5 1 2 3 0 0 0 1"}) {
+    CHECK(contains(error(late),
+                   "t.tum:4: its time is not later than 0.000000000 s of the pose before: sort the poses and remove "
+                   "duplicates: '" +
+                       late + "'"));
+  }
+  std::ofstream(folder / "empty.tum") << "# only a comment\n";
+  CHECK(contains(data_error([&] { read_tum(folder / "empty.tum"); }), "empty.tum: holds no pose: is it the right"));
   CHECK(contains(error("1 nan 2 3 0 0 0 1"), "not a finite number: 'nan'"));
   CHECK(contains(error("1 1 2 x 0 0 0 1"), "t.tum:4: not a finite number: 'x'"));
   CHECK(contains(error("1 1 2 3 0 0 0 0"), "norm 0"));

@@ -38,6 +38,7 @@ fs::path write_drive(const fs::path& root, int missing_scan = -1) {
 SensorConfig calibrated() {
   SensorConfig sensor;
   sensor.model.T_imu_lidar.p = Vec3(0.8, -0.3, 0.7);
+  sensor.from_file = true;
   return sensor;
 }
 
@@ -54,7 +55,12 @@ TEST_CASE("a drive is found from its folder, its date and its root") {
     CHECK(contains(source->notes().verdicts, "IMU at 10.0 Hz: interpolated"));
     CHECK_FALSE(contains(source->notes().warnings, "calib_imu_to_velo"));
   }
-  CHECK(contains(open_source(drive, {})->notes().warnings, "calib_imu_to_velo"));
+  SensorConfig other;
+  CHECK_FALSE(
+      contains(open_source(drive, other)->notes().warnings, "calib_imu_to_velo"));  // no sensor file to be wrong
+  CHECK_FALSE(contains(inspect(drive).warnings, "calib_imu_to_velo"));
+  other.from_file = true;
+  CHECK(contains(open_source(drive, other)->notes().warnings, "calib_imu_to_velo"));
   fs::create_directories(folder / "other/velodyne_points");
   fs::create_directories(folder / "other/oxts");
   CHECK(contains(data_error([&] { open_source(folder.path(), {}); }), "contains 2 drives"));

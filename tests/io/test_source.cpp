@@ -1,3 +1,5 @@
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <cstring>
 
@@ -54,7 +56,26 @@ TEST_CASE("topics are found by type, and errors list what is there") {
   CHECK(contains(missing, "/front/imu [sensor_msgs/Imu]"));
   CHECK(contains(missing, "`lidar_topic`"));
   sensor.lidar_topic = "/front/imu";
-  CHECK(contains(data_error([&] { open_source(folder / "a.bag", sensor); }), "is of type sensor_msgs/Imu"));
+  const std::string swapped = data_error([&] { open_source(folder / "a.bag", sensor); });
+  CHECK(contains(swapped,
+                 "LiDAR topic '/front/imu' is of type sensor_msgs/Imu: `lidar_topic` and `imu_topic` look swapped; "));
+  CHECK_FALSE(contains(swapped, "another version"));
+  sensor.lidar_topic = "/front/lidar";
+  sensor.imu_topic = "/front/lidar";
+  CHECK(contains(data_error([&] { open_source(folder / "a.bag", sensor); }),
+                 "IMU topic '/front/lidar' is of type livox_ros_driver/CustomMsg: `lidar_topic` and `imu_topic` look"));
+}
+
+TEST_CASE("pipes and devices are refused by name before they are opened") {
+  TemporaryFolder folder;
+  REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  for (const std::filesystem::path& path :
+       {folder / "pipe", std::filesystem::path("/dev/zero"), std::filesystem::path("/dev/null")}) {
+    const std::string expected = path.string() + ": is a pipe or device, not a regular file: copy the recording";
+    CHECK(contains(data_error([&] { open_source(path, {}); }), expected));
+    CHECK(contains(data_error([&] { inspect(path); }), expected));
+    CHECK(contains(data_error([&] { input_digest(path); }), expected));
+  }
 }
 
 TEST_CASE("two topics of a kind must be chosen between, none is named") {

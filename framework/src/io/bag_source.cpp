@@ -64,10 +64,14 @@ class TopicChooser {
   std::string wrong_type(const char* role, const char* key, const Connection& c, const char* types) const {
     const bool named =
         c.type.ends_with("/CustomMsg") || c.type == rosbag::kImu.name || c.type == rosbag::kPointCloud2.name;
-    const std::string version =
-        named ? fmt::format(" with checksum {}, another version of that message than the known one", c.md5) : "";
+    std::string remark;
+    if (is_lidar(c) || is_imu(c)) {
+      remark = ": `lidar_topic` and `imu_topic` look swapped";
+    } else if (named) {
+      remark = fmt::format(" with checksum {}, another version of that message than the known one", c.md5);
+    }
     return fmt::format("{}: {} topic '{}' is of type {}{}; {} can be read; set `{}` to one of:{}", path_, role, c.topic,
-                       c.type, version, types, key, list_topics(connections_));
+                       c.type, remark, types, key, list_topics(connections_));
   }
 
   std::string only_topic(const char* role, const char* key, bool (*fits)(const Connection&), const char* types) const {

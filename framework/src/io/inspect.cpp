@@ -108,9 +108,9 @@ class TopicProbe {
 };
 
 void inspect_bag(const std::filesystem::path& path, const SensorConfig& sensor, InputReport& report) {
+  rosbag::BagReader reader(path);
   report.kind = "ROS1 bag";
   report.bytes = std::filesystem::file_size(path);
-  rosbag::BagReader reader(path);
   std::map<std::string, std::unique_ptr<TopicProbe>> probes;  // several connections may share a topic
   std::map<std::uint32_t, TopicProbe*> by_id;
   for (const rosbag::Connection& c : reader.connections()) {

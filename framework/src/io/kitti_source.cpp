@@ -35,7 +35,7 @@ class KittiSource final : public MeasurementSource {
     if (drive_.missing_imu > 0) {
       notes_.warnings.push_back(fmt::format("{}: {} OXTS packets are listed but missing", where, drive_.missing_imu));
     }
-    compare_extrinsic(sensor.model.T_imu_lidar);
+    if (sensor.from_file) compare_extrinsic(sensor.model.T_imu_lidar);
     set_section(section);
   }
 

@@ -48,6 +48,7 @@ struct PoseBlock {
 }  // namespace
 
 void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
+  sensor.from_file = true;
   b.text("lidar_topic", sensor.lidar_topic, "LiDAR topic of a bag; empty: the only one of a known type");
   b.text("imu_topic", sensor.imu_topic, "IMU topic of a bag; empty: the only one");
   b.choice("acc_unit", sensor.acc_unit, {{"auto", AccUnit::automatic}, {"g", AccUnit::g}, {"mps2", AccUnit::mps2}},

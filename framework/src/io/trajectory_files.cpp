@@ -52,6 +52,19 @@ bool parse_seconds(std::string_view text, TimeNs& t) {
   return true;
 }
 
+/// Why a time was refused: whole numbers far beyond seconds are stamps in another unit.
+std::string time_problem(std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc{} && end == text.data() + text.size() && value > 9'000'000'000) {
+    const char* unit = value > 100'000'000'000'000'000 ? "nanoseconds: divide the stamps by 1e9"
+                       : value > 100'000'000'000'000   ? "microseconds: divide the stamps by 1e6"
+                                                       : "milliseconds: divide the stamps by 1e3";
+    return fmt::format("not a time in seconds, but as it seems in {}", unit);
+  }
+  return "not a time in seconds";
+}
+
 std::vector<std::string_view> columns(std::string_view line) {
   std::vector<std::string_view> parts;
   while (true) {
@@ -69,7 +82,7 @@ StampedPose parse_tum_line(const std::filesystem::path& path, std::size_t line, 
   if (parts.size() != 8)
     bad(path, line, text, fmt::format("{} columns where TUM has 8 (t tx ty tz qx qy qz qw)", parts.size()));
   StampedPose pose;
-  if (!parse_seconds(parts[0], pose.t)) bad(path, line, parts[0], "not a time in seconds");
+  if (!parse_seconds(parts[0], pose.t)) bad(path, line, parts[0], time_problem(parts[0]));
   std::array<double, 7> v{};
   for (std::size_t i = 0; i < 7; ++i) {
     const std::string_view part = parts[i + 1];
@@ -125,9 +138,16 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& path) {
   for (std::size_t number = 1; std::getline(file, line); ++number) {
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') continue;
-    poses.push_back(parse_tum_line(path, number, line));
+    const StampedPose pose = parse_tum_line(path, number, line);
+    if (!poses.empty() && pose.t <= poses.back().t) {
+      bad(path, number, line,
+          fmt::format("its time is not later than {} s of the pose before: sort the poses and remove duplicates",
+                      seconds(poses.back().t)));
+    }
+    poses.push_back(pose);
   }
   if (file.bad()) throw DataError(fmt::format("{}: cannot read", path.string()));
+  if (poses.empty()) throw DataError(fmt::format("{}: holds no pose: is it the right file?", path.string()));
   return poses;
 }
 

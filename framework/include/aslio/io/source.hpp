@@ -27,6 +27,7 @@ struct SensorConfig {
   bool livox_tag_filter = true;     ///< keep (tag & 0x30) in {0x00, 0x10} (first or strongest return)
   bool require_point_times = true;  ///< refuse clouds whose per-point time cannot be known
   SensorModel model;
+  bool from_file = false;  ///< a sensor file was read: its extrinsic is meant, also where it is the identity
 
   static void describe(config::Binder& b, SensorConfig& sensor);
 };
@@ -59,7 +60,7 @@ struct Section {
 };
 
 /// Opens a ROS1 bag file, or a KITTI raw drive folder, by what it is. Checks topics and types at once; throws DataError
-/// that names the file, what was found and the remedy.
+/// that names the file, what was found and the remedy; a pipe or device is refused without being opened.
 std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
                                                const Section& section = {});
 

@@ -43,7 +43,7 @@ std::string kitti_line(const Pose& pose);
 void write_tum(const std::filesystem::path& path, std::span<const StampedPose> poses);
 void write_kitti(const std::filesystem::path& path, std::span<const StampedPose> poses);
 
-/// Reads TUM; throws DataError with file:line and the offending text.
+/// Reads TUM. Post: not empty, times strictly increase. Throws DataError with file:line and the offending text.
 std::vector<StampedPose> read_tum(const std::filesystem::path& path);
 
 /// Streams points to a map file: .ply (binary little endian) or .pcd (binary). Nothing is kept in memory.

@@ -14,17 +14,22 @@
 namespace aslio::io::rosbag {
 
 InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
-  fd_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  const auto require_regular = [this](mode_t mode) {
+    if (S_ISREG(mode)) return;
+    throw DataError(fmt::format("{}: is a {}, not a regular file: copy the recording to a file", path_.string(),
+                                S_ISDIR(mode) ? "folder" : "pipe or device"));
+  };
   struct stat info {};
+  // Before opening: a pipe would wait for its writer, and a device may act on being opened.
+  if (::stat(path_.c_str(), &info) == 0) require_regular(info.st_mode);
+  fd_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0 || ::fstat(fd_, &info) != 0) {
     const int error = errno;
     if (fd_ >= 0) ::close(fd_);
     throw DataError(fmt::format("{}: cannot open: {}", path_.string(), std::strerror(error)));
   }
-  if (!S_ISREG(info.st_mode)) {
-    ::close(fd_);
-    throw DataError(fmt::format("{}: not a regular file", path_.string()));
-  }
+  if (!S_ISREG(info.st_mode)) ::close(fd_);
+  require_regular(info.st_mode);
   size_ = static_cast<std::uint64_t>(info.st_size);
 }
 
