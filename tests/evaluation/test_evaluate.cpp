@@ -170,6 +170,30 @@ TEST_CASE("an estimate that ends early says so") {
         "those of a complete run");
 }
 
+TEST_CASE("an alignment that the errors may turn is warned of") {
+  // A walk of 10 m along x that sways by `sway`, measured with an error of 0.1 m up and down.
+  const auto warnings = [](double sway, Alignment alignment) {
+    Trajectory reference, estimate;
+    for (int i = 0; i <= 200; ++i) {
+      const Vec3 p(0.05 * i, i % 4 < 2 ? sway : -sway, 0.0);
+      reference.append({i * 50 * kMs, {Mat3::Identity(), p}});
+      estimate.append({i * 50 * kMs, {Mat3::Identity(), p + Vec3(0, 0, i % 2 == 0 ? 0.1 : -0.1)}});
+    }
+    Options options;
+    options.alignment = alignment;
+    options.rule = Rule::evo;
+    return evaluate(estimate, reference, options).warnings;
+  };
+  REQUIRE(warnings(0.4, Alignment::se3).size() == 1);
+  CHECK(warnings(0.4, Alignment::se3)[0] ==
+        "the alignment is poorly determined: the positions spread by 0.400 m across their main direction, less than 5 "
+        "times their error of 0.100 m, so the alignment hides part of it and its rotation is not to be trusted: use a "
+        "longer trajectory, or look at the relative errors, which need no alignment");
+  CHECK(warnings(0.6, Alignment::se3).empty());
+  CHECK(warnings(0.4, Alignment::yaw).empty());
+  CHECK(warnings(0.4, Alignment::none).empty());
+}
+
 TEST_CASE("options out of range are refused by name") {
   const Trajectory reference = sampled(0, 12 * kSecond, 5 * kMs);
   Options options;

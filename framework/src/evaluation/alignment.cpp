@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "aslio/core/errors.hpp"
@@ -73,6 +75,21 @@ Pose align(Alignment alignment, std::span<const PosePair> pairs, std::span<const
   const Mat3 R =
       alignment == Alignment::se3 ? se3_rotation(m.covariance, pairs.size()) : yaw_rotation(m.covariance, pairs.size());
   return {R, m.reference - R * m.estimate};
+}
+
+double determining_spread(Alignment alignment, std::span<const PosePair> pairs, std::span<const double> weights) {
+  if (alignment == Alignment::none) return std::numeric_limits<double>::infinity();
+  const Vec3 mean = moments(pairs, weights).reference;
+  Mat3 covariance = Mat3::Zero();
+  double total = 0.0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Vec3 offset = pairs[i].reference.p - mean;
+    covariance += weights[i] * offset * offset.transpose();
+    total += weights[i];
+  }
+  if (alignment == Alignment::yaw) return std::sqrt((covariance(0, 0) + covariance(1, 1)) / total);
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance / total, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
 }
 
 Mat3 nearest_rotation(const Mat3& M) {

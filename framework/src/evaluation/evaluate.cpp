@@ -142,6 +142,20 @@ void warn_of_shares(Evaluation& result) {
   }
 }
 
+/// Errors that are not small against the spread of the positions turn the alignment, which then hides part of them.
+void warn_of_alignment(const Sample& sample, Evaluation& result) {
+  constexpr double kTimes = 5.0;
+  const Alignment alignment = result.options.alignment;
+  const double spread = determining_spread(alignment, sample.pairs, sample.weights);
+  const double error = result.ate.translation.rmse;
+  if (spread >= kTimes * error) return;
+  result.warnings.push_back(
+      fmt::format("the alignment is poorly determined: the positions spread by {:.3f} m {}, less than {:.0f} times "
+                  "their error of {:.3f} m, so the alignment hides part of it and its rotation is not to be trusted: "
+                  "use a longer trajectory, or look at the relative errors, which need no alignment",
+                  spread, alignment == Alignment::se3 ? "across their main direction" : "horizontally", kTimes, error));
+}
+
 }  // namespace
 
 double turn_rate(const Trajectory& reference, TimeNs t) {
@@ -180,6 +194,7 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& reference, con
   result.T_reference_estimate = align(options.alignment, sample.pairs, sample.weights);
   const Mat3& R = result.T_reference_estimate.R;
   result.ate = absolute_errors(sample, result.T_reference_estimate);
+  warn_of_alignment(sample, result);
   result.ate_deg_rotation_aligned = rotation_rmse(sample, Mat3::Identity(), world_rotation(sample));
   result.ate_deg_body_offset_removed = rotation_rmse(sample, body_rotation(sample, R), R);
   result.ate_yaw = aligned_errors(sample, Alignment::yaw, "aligned by yaw", result);

@@ -16,6 +16,11 @@ enum class Alignment { none, yaw, se3 };
 /// or on a vertical line (yaw), within rounding. eq. EVAL-4, EVAL-5
 Pose align(Alignment alignment, std::span<const PosePair> pairs, std::span<const double> weights);
 
+/// How far the reference positions spread in the direction that determines the rotation worst [m], as a weighted
+/// standard deviation: across their main direction for se3, horizontally for yaw; infinite for none. Errors of the
+/// positions turn the alignment by about their size divided by this.
+double determining_spread(Alignment alignment, std::span<const PosePair> pairs, std::span<const double> weights);
+
 /// The rotation nearest to M in the Frobenius norm. eq. EVAL-6
 Mat3 nearest_rotation(const Mat3& M);
 
