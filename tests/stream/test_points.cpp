@@ -150,6 +150,23 @@ TEST_CASE("points before the last cut or the released time are late") {
   CHECK(stream.buffered_points() == 2);
 }
 
+TEST_CASE("what reaches back over the start is not late, whenever it comes") {
+  MeasurementStream stream;
+  stream.push(imu(kEpoch));
+  stream.release(kEpoch + 5000);
+  stream.push(regular_packet(0, kEpoch + 3000, 1000, 5));  // 3000, 4000 and 5000 are not after the start
+  CHECK(stream.counters().points_before_start == 3);
+  CHECK(stream.counters().points == 2);
+  WindowPlan plan;
+  plan.history_begin = plan.fresh_begin = kEpoch + 5000;
+  plan.end = kEpoch + 7000;
+  CHECK(stream.cut(plan, 1).fresh.size() == 2);
+  stream.push(packet(1, {point(kEpoch + 4500), point(kEpoch + 6500), point(kEpoch + 7500)}));
+  CHECK(stream.counters().points_before_start == 4);
+  CHECK(stream.counters().points_late == 1);
+  CHECK(stream.counters().points == 3);
+}
+
 TEST_CASE("one or two packets from another time do no harm; a third that agrees ends the run with a reason") {
   for (const TimeNs jump : {-10 * kSecond, 3600 * kSecond}) {
     MeasurementStream stream;

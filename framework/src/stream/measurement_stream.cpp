@@ -41,7 +41,9 @@ void MeasurementStream::push(LidarPacket&& packet) {
   const auto closed = [](TimeNs limit, const TimedPoint& p) { return limit < p.t; };
   const auto open = std::upper_bound(points.begin(), points.end(), closed_until(), closed);
   const auto late = static_cast<std::size_t>(open - points.begin());
-  counters_.points_late += late;
+  const auto too_early = std::upper_bound(points.begin(), open, start_, closed) - points.begin();
+  counters_.points_before_start += static_cast<std::uint64_t>(too_early);
+  counters_.points_late += late - static_cast<std::uint64_t>(too_early);
   counters_.points_reordered += findings.reordered - std::min(findings.reordered, late);
   const std::span<TimedPoint> accepted(open, points.end());
   // Late points count too: what comes after them must not depend on whether its packet came before or after the cut.
@@ -151,6 +153,7 @@ Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
 void MeasurementStream::release(TimeNs t) {
   if (t <= released_) return;
   released_ = t;
+  if (last_cut_ == kTimeMin) start_ = t;
   points_.forget(points_.count_until(t));
   // The sample at or before t stays: the next window interpolates from it.
   const std::size_t until = imu_.count_until(t);

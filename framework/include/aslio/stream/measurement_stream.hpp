@@ -23,12 +23,15 @@ struct StreamCounters {
   std::uint64_t points = 0;             ///< accepted
   std::uint64_t points_invalid = 0;     ///< not finite, absurdly far (> 1e5 m), or dropped by the decoder
   std::uint64_t points_stray = 0;       ///< time more than 1 s away from the body of the packet: dropped
-  std::uint64_t points_late = 0;        ///< before the last cut: dropped
-  std::uint64_t points_reordered = 0;   ///< arrived out of order, put in order
-  std::uint64_t imu = 0;                ///< accepted
-  std::uint64_t imu_invalid = 0;        ///< not finite: dropped
-  std::uint64_t imu_duplicate = 0;      ///< equal stamp: first kept
-  std::uint64_t imu_late = 0;           ///< before the last cut: dropped
+  std::uint64_t points_late = 0;        ///< after the first cut, before the last one: dropped
+  /// Of a time that was released before the first cut, such as those of a message that reaches over the start of the
+  /// odometry: dropped, and no anomaly.
+  std::uint64_t points_before_start = 0;
+  std::uint64_t points_reordered = 0;  ///< arrived out of order, put in order
+  std::uint64_t imu = 0;               ///< accepted
+  std::uint64_t imu_invalid = 0;       ///< not finite: dropped
+  std::uint64_t imu_duplicate = 0;     ///< equal stamp: first kept
+  std::uint64_t imu_late = 0;          ///< before the last cut: dropped
   std::uint64_t imu_reordered = 0;
   std::uint64_t imu_time_jumps = 0;  ///< stamps implausibly far from the last (> 1 s back or > 60 s ahead): dropped
   std::uint64_t imu_gaps = 0;        ///< steps longer than 5 median periods, as they arrived
@@ -52,7 +55,8 @@ class MeasurementStream final : public StreamView {
   /// the nearest sample had to be held at an end, or a gap lies inside (more than 5 median periods, bridged linearly);
   /// `out` is filled all the same, and empty only when there is no IMU data at all.
   bool imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const;
-  /// Everything up to `t` may be forgotten; later arrivals before it are late.
+  /// Everything up to `t` may be forgotten; later arrivals before it are late, or, before the first cut, before the
+  /// start.
   void release(TimeNs t);
 
   /// One ns short of the last point: the next packet may continue its firing, which no cut may split.
@@ -105,6 +109,7 @@ class MeasurementStream final : public StreamView {
   std::optional<TimeNs> first_point_, first_imu_;
   TimeNs last_point_ = kTimeMin, last_imu_ = kTimeMin;
   TimeNs released_ = kTimeMin, last_cut_ = kTimeMin;
+  TimeNs start_ = kTimeMin;  ///< released before the first cut: no window reaches back to it
   std::uint32_t next_index_ = 0;
   bool finished_ = false;
   StreamCounters counters_;
