@@ -192,6 +192,9 @@ TEST_CASE("A failing registration is told and leaves the catalog as it was") {
   CHECK(error("throws") == because(kObjects / "throws.so", "its registration failed: no licence found"));
   CHECK(error("throws_number") ==
         because(kObjects / "throws_number.so", "its registration failed: an exception that is no std::exception"));
+  CHECK(error("changes") == because(kObjects / "changes.so",
+                                    "was changed while it was loaded, so its SHA-256 is not that of the code: load it "
+                                    "again"));
   CHECK(error("empty") == because(kObjects / "empty.so", "registers no type"));
   CHECK(catalog.families().empty());
   CHECK(

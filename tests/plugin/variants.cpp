@@ -1,4 +1,7 @@
 // Shared objects with one mistake each; VARIANT says which.
+#include <dlfcn.h>
+#include <sys/stat.h>
+
 #include <stdexcept>
 
 #include "aslio/plugin/entry.hpp"
@@ -44,6 +47,15 @@ ASLIO_PLUGIN(register_and_throw)
 ASLIO_PLUGIN(throw_number)
 #elif defined(TAKEN)
 ASLIO_PLUGIN(register_quartz)
+#elif defined(CHANGES)
+ASLIO_PLUGIN(register_none)
+namespace {
+/// Runs while the object is loaded, and does to its file what another program might do.
+__attribute__((constructor)) void change_own_file() {
+  Dl_info self{};
+  if (dladdr(&aslio_plugin, &self) != 0) chmod(self.dli_fname, 0700);
+}
+}  // namespace
 #elif defined(EMPTY)
 ASLIO_PLUGIN(register_none)
 #endif

@@ -50,6 +50,12 @@ fs::path checked_path(const fs::path& file) {
   }
 }
 
+/// Same file, and neither content, name nor rights changed in between.
+bool unchanged(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino && a.st_size == b.st_size &&
+         a.st_ctim.tv_sec == b.st_ctim.tv_sec && a.st_ctim.tv_nsec == b.st_ctim.tv_nsec;
+}
+
 std::vector<std::string> items_of(std::string_view stamp) {
   std::vector<std::string> items;
   while (!stamp.empty()) {
@@ -127,12 +133,17 @@ Catalog registered(const AslioPlugin& entry, const fs::path& real, const fs::pat
 SharedObject load_shared_object(Catalog& catalog, const fs::path& file) {
   SharedObject object;
   object.path = checked_path(file);
+  const struct stat hashed = status_of(object.path, file);
   try {
     object.sha256 = sha256_of_file(object.path);
   } catch (const DataError& error) {
     fail(file, error.what());
   }
   const AslioPlugin& entry = open(object.path, file);
+  // Not by loading an open descriptor: the name it would load under breaks $ORIGIN in the plugin's search path.
+  if (!unchanged(hashed, status_of(object.path, file))) {
+    fail(file, "was changed while it was loaded, so its SHA-256 is not that of the code: load it again");
+  }
   check_entry(entry, file);
   const Catalog staged = registered(entry, object.path, file);
   std::vector<const Entry*> entries;

@@ -21,8 +21,8 @@ struct SharedObject {
 
 /// Adds the types of one shared object to the catalog; their origin is its path. Throws ConfigError naming the file and
 /// the reason, and the catalog stays as it was: the file is missing, no regular file, or it or its directory can be
-/// written by anybody; it cannot be opened; it is no plugin of this version, or its build stamp differs; its
-/// registration fails; a type is taken already.
+/// written by anybody; it cannot be opened, or changes while it is loaded; it is no plugin of this version, or its
+/// build stamp differs; its registration fails; a type is taken already.
 SharedObject load_shared_object(Catalog& catalog, const std::filesystem::path& file);
 
 /// Loads `files` in order, then every *.so, sorted by name, of the directories in `search_path` (colon separated,
