@@ -4,11 +4,10 @@
 #include <cstdlib>
 #include <new>
 
-// Names given by the linker's --wrap.
-extern "C" void* __real_malloc(
-    std::size_t size);  // NOLINT(bugprone-reserved-identifier): a name that --wrap prescribes
-extern "C" void* __wrap_malloc(
-    std::size_t size);  // NOLINT(bugprone-reserved-identifier): a name that --wrap prescribes
+// NOLINTBEGIN(bugprone-reserved-identifier): the linker's --wrap prescribes the names
+extern "C" void* __real_malloc(std::size_t size);
+extern "C" void* __wrap_malloc(std::size_t size);
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace {
 
@@ -24,8 +23,8 @@ void note() {
 void aslio::test::arm_allocation_meter(bool on) { armed.store(on); }
 std::size_t aslio::test::allocations_metered() { return count.load(); }
 
-extern "C" void* __wrap_malloc(
-    std::size_t size) {  // NOLINT(bugprone-reserved-identifier): a name that --wrap prescribes
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the linker's --wrap prescribes the name
+extern "C" void* __wrap_malloc(std::size_t size) {
   note();
   return __real_malloc(size);
 }
