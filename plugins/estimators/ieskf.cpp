@@ -126,6 +126,7 @@ void Ieskf::MatchSet::reserve(std::size_t n, std::size_t rows_per_match, int k) 
   body.reserve(n);
   world.reserve(n);
   range.reserve(n);
+  weight.reserve(n);
   surfaces.reserve(n);
   rows.reserve(n * rows_per_match);
   partials.reserve(exec::Executor::chunk_count(n, kGrain));

@@ -36,9 +36,9 @@ using Prepare = std::function<void()>;
 }
 
 Ended run(const std::vector<std::string>& arguments, const std::function<bool(pid_t, const std::string&)>& during,
-          const Prepare& prepare) {
+          const Prepare& prepare, const std::string& stdout_path = {}) {
   const TemporaryFolder folder;
-  const std::string out = folder / "out", err = folder / "err";
+  const std::string out = stdout_path.empty() ? (folder / "out").string() : stdout_path, err = folder / "err";
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) become(arguments, out, err, prepare);
@@ -51,7 +51,7 @@ Ended run(const std::vector<std::string>& arguments, const std::function<bool(pi
   }
   if (!ended) ::waitpid(child, &status, 0);
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 256 + WTERMSIG(status);
-  return {code, content(out), content(err)};
+  return {code, stdout_path.empty() ? content(out) : std::string(), content(err)};
 }
 
 }  // namespace
@@ -63,6 +63,11 @@ Ended run_aslio(const std::vector<std::string>& arguments) {
 Ended run_aslio(const std::vector<std::string>& arguments,
                 const std::function<bool(pid_t, const std::string&)>& during) {
   return run(arguments, during, [] {});
+}
+
+Ended run_aslio_to(const std::string& out, const std::vector<std::string>& arguments) {
+  return run(
+      arguments, nullptr, [] {}, out);
 }
 
 Ended run_aslio_with_file_limit(const std::vector<std::string>& arguments, std::size_t bytes) {

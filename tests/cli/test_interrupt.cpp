@@ -9,7 +9,7 @@ using namespace aslio::test;
 using Catch::Matchers::Contains;
 
 TEST_CASE("an interrupted run writes what there is and exits with 130") {
-  const int signal = GENERATE(SIGINT, SIGTERM);
+  const int signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
   const Bench bench(Recording{.duration = 4.0});
   // A sampler that keeps every point makes the run long enough to be met in the middle.
   const auto arguments = bench.arguments("out", {"--set", "samplers=[{type: range, min: 0.5, max: 100}]"});

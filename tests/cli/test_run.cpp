@@ -27,7 +27,8 @@ TEST_CASE("a run leaves its files, with the columns that are documented") {
   const std::string csv = content(out / "updates.csv");
   CHECK(csv.substr(0, csv.find('\n')) ==
         "t_ns,window_begin_ns,status,n_fresh,n_history,sod,layer_0,layer_1,layer_2,layer_3,layer_4,layer_5,layer_6,"
-        "layer_7,seg_time,shift_time_s,echo,iterations,n_matches,eig_1,eig_2,eig_3,eig_4,eig_5,eig_6,digest");
+        "layer_7,seg_time,shift_time_s,echo,iterations,n_matches,eig_1,eig_2,eig_3,eig_4,eig_5,eig_6,digest,"
+        "extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking");
   const auto poses = io::read_tum(out / "trajectory.tum");
   const auto stamps = column(out / "updates.csv", "t_ns");
   REQUIRE(poses.size() == stamps.size());
@@ -38,6 +39,13 @@ TEST_CASE("a run leaves its files, with the columns that are documented") {
   CHECK(sod.front().empty());  // nothing to compare the first frame with
   CHECK(std::stod(sod.back()) > 0.3);
   CHECK(std::stod(sod.back()) <= 1.0);
+  const auto eigenvalue = column(out / "updates.csv", "eig_1"), rms = column(out / "updates.csv", "residual_rms_m");
+  CHECK(eigenvalue.front().empty());  // nothing was solved
+  CHECK(rms.front().empty());
+  CHECK(std::stod(eigenvalue.back()) > 0.0);
+  CHECK(std::stod(rms.back()) > 0.0);
+  CHECK(std::stoul(column(out / "updates.csv", "inserted").front()) > 0);
+  CHECK(column(out / "updates.csv", "tracking").back() == "ok");
   const auto lidar = io::read_tum(out / "trajectory_lidar.tum");
   REQUIRE(lidar.size() == poses.size());
   CHECK((lidar[3].T.p - poses[3].T * Vec3(0.04165, 0.02326, -0.0284)).norm() < 1e-6);

@@ -4,8 +4,12 @@
 #include <spdlog/sinks/base_sink.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <mutex>
+#include <system_error>
+
+#include "aslio/core/errors.hpp"
 
 namespace aslio::cli {
 
@@ -33,8 +37,12 @@ std::string printable(std::string_view text) {
 }
 
 void print(std::string_view text) {
-  put(stdout, printable(text));
-  std::fflush(stdout);
+  errno = 0;
+  const std::string clean = printable(text);
+  const bool whole = std::fwrite(clean.data(), 1, clean.size(), stdout) == clean.size();
+  if ((!whole || std::fflush(stdout) != 0) && errno != EPIPE) {
+    throw DataError(fmt::format("stdout cannot be written: {}", std::generic_category().message(errno)));
+  }
 }
 
 void tell(std::string_view line) {

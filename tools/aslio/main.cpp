@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
+#include <sstream>
 #include <vector>
 
 #include "aslio/core/errors.hpp"
 #include "command.hpp"
 #include "console.hpp"
+#include "options.hpp"
 
 namespace aslio::cli {
 
@@ -25,6 +28,24 @@ int act(const std::vector<Command>& commands) {
   return kWrongUsage;
 }
 
+/// CLI11 would only say that a command is required.
+void require_known_command(const std::vector<Command>& commands, const std::vector<std::string>& command_line) {
+  if (command_line.size() < 2 || command_line[1].starts_with('-')) return;
+  const std::string& wrong = command_line[1];
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.push_back(command.app->get_name());
+  if (std::find(names.begin(), names.end(), wrong) != names.end()) return;
+  const std::string near = nearest_name(wrong, names);
+  throw ConfigError(fmt::format("unknown command '{}'{}; there are: {}", wrong,
+                                near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near),
+                                fmt::join(names, ", ")));
+}
+
+std::string without_line_feed(std::string text) {
+  while (text.ends_with('\n')) text.pop_back();
+  return text;
+}
+
 int run_command_line(int argc, char** argv) {
   CLI::App root("AS-LIO Lab: LiDAR-inertial odometry from interchangeable stages.", "aslio");
   root.require_subcommand(1);
@@ -35,11 +56,17 @@ int run_command_line(int argc, char** argv) {
       "Exit codes: 0 ok or degraded, 1 failed or diverged, 2 wrong usage or configuration, 3 bad or truncated data, "
       "130 interrupted.\n"
       "`aslio COMMAND --help` tells the options of a command.");
-  const auto commands = add_commands(root, std::vector<std::string>(argv, argv + argc));
+  const std::vector<std::string> command_line(argv, argv + argc);
+  const auto commands = add_commands(root, command_line);
+  require_known_command(commands, command_line);
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return root.exit(error) == 0 ? kSuccess : kWrongUsage;  // --help is reported as an error, too
+    std::ostringstream out, err;
+    const int code = root.exit(error, out, err) == 0 ? kSuccess : kWrongUsage;  // --help is reported as an error, too
+    if (!out.str().empty()) print(out.str());
+    if (!err.str().empty()) tell(without_line_feed(err.str()));
+    return code;
   }
   return act(commands);
 }

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <limits>
 #include <memory>
 
 #include "aslio/experiment/measure.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "interrupt.hpp"
+#include "options.hpp"
 #include "progress.hpp"
 #include "stages.hpp"
 
@@ -43,13 +45,22 @@ int exit_code(const experiment::RunResult& result) {
   return kRunFailed;
 }
 
+/// A moment to the nanosecond; a double would be 240 ns off.
+std::string exact_seconds(TimeNs t) {
+  const TimeNs whole = t / kSecond, rest = t % kSecond;
+  return fmt::format("{}{}.{:09}", t < 0 && whole == 0 ? "-" : "", whole, rest < 0 ? -rest : rest);
+}
+
 std::string report(const experiment::Summary& s, const std::string& output) {
   std::string text = fmt::format("status       {}", pipeline::name(s.status));
   const auto out = std::back_inserter(text);
   if (!s.reason.empty()) fmt::format_to(out, ": {}", s.reason);
-  if (s.moment) fmt::format_to(out, " (at {:.9f} s)", to_seconds(*s.moment));
+  if (s.moment) fmt::format_to(out, " (at {} s)", exact_seconds(*s.moment));
   fmt::format_to(out, "\nupdates      {} over {:.2f} s of data, coverage {:.1f} %\n", s.updates, s.data_s,
                  100 * s.coverage);
+  if (const std::string weak = experiment::weak_updates(s); !weak.empty()) {
+    fmt::format_to(out, "weak         {}\n", weak);
+  }
   if (s.rate_hz) {
     fmt::format_to(out, "rate         {:.1f} / {:.1f} / {:.1f} Hz (min / median / max)\n", s.rate_hz->min,
                    s.rate_hz->median, s.rate_hz->max);
@@ -118,15 +129,17 @@ void add_options(CLI::App& app, Arguments& a) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app.add_option("--threads", a.threads, "threads; the results are the same for any number")
-      ->check(CLI::Range(1, 256))
+      ->check(whole_number(1, 256))
       ->capture_default_str();
-  app.add_option("--start", a.start, "seconds of data to skip")->check(CLI::NonNegativeNumber);
-  app.add_option("--duration", a.duration, "seconds of data to use")->check(CLI::PositiveNumber);
+  app.add_option("--start", a.start, "seconds of data to skip")->check(seconds(false));
+  app.add_option("--duration", a.duration, "seconds of data to use")->check(seconds(true));
   app.add_option("--reference", a.reference, "reference trajectory (TUM) to measure the error against")
       ->check(CLI::ExistingFile);
   app.add_option("--save-map", a.save_map, "writes the points of all updates to this .ply or .pcd file");
   app.add_flag("--dense", a.dense, "also writes trajectory_dense.tum, with every state the estimator emits");
-  app.add_option("--seed", a.seed, "phase of the point strides: replicates differ in it")->capture_default_str();
+  app.add_option("--seed", a.seed, "phase of the point strides: replicates differ in it")
+      ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
   add_plugin_option(app, a.plugins);
   app.add_flag("--quiet", a.quiet, "no progress and no report; warnings and errors remain");
 }

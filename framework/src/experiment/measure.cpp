@@ -1,5 +1,8 @@
 #include "aslio/experiment/measure.hpp"
 
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
 #include <algorithm>
 
 namespace aslio::experiment {
@@ -25,6 +28,70 @@ std::optional<HeadlineRpe> headline_rpe(const evaluation::Evaluation& evaluation
     if (!shortest || error.delta < shortest->distance_m) shortest = {error.translation_rmse, error.delta};
   }
   return shortest;
+}
+
+namespace {
+
+/// Rigid alignment of the positions seen so far, from running sums: an alignment over the whole run would spread an
+/// error at its end over its beginning, and one by orientations would mind a constant rotation between the bodies.
+class RunningAlignment {
+ public:
+  void add(const Vec3& estimate, const Vec3& truth) {
+    n_ += 1.0;
+    estimate_ += estimate;
+    truth_ += truth;
+    cross_ += truth * estimate.transpose();
+  }
+  /// Distance between the aligned estimate and the truth.
+  double error(const Vec3& estimate, const Vec3& truth) const {
+    const Vec3 mean_estimate = estimate_ / n_;
+    const Vec3 mean_truth = truth_ / n_;
+    const Mat3 covariance = cross_ / n_ - mean_truth * mean_estimate.transpose();
+    const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1.0 : 1.0;
+    const Mat3 R = svd.matrixU() * Vec3(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+    return (R * (estimate - mean_estimate) - (truth - mean_truth)).norm();
+  }
+
+ private:
+  double n_ = 0;
+  Vec3 estimate_ = Vec3::Zero(), truth_ = Vec3::Zero();
+  Mat3 cross_ = Mat3::Zero();
+};
+
+}  // namespace
+
+std::optional<std::pair<TimeNs, std::string>> find_divergence(const evaluation::Evaluation& evaluation,
+                                                              std::span<const StampedPose> poses,
+                                                              const Trajectory& reference) {
+  const TimeNs max_gap = to_ns(evaluation.options.max_reference_gap);
+  const auto samples = reference.samples();
+  std::size_t next = 0;  // of the reference's samples, not yet part of the path
+  double path = 0;       // [m] since the first matched pose, to the last sample before the current one
+  bool started = false;
+  Vec3 last = Vec3::Zero();  // end of the path
+  RunningAlignment alignment;
+  for (const StampedPose& estimate : poses) {
+    const auto truth = reference.pose(estimate.t, max_gap);
+    if (!truth) continue;
+    if (!started) {
+      started = true;
+      last = truth->p;
+      while (next < samples.size() && samples[next].t <= estimate.t) ++next;
+    }
+    for (; next < samples.size() && samples[next].t <= estimate.t; ++next) {
+      path += (samples[next].T.p - last).norm();
+      last = samples[next].T.p;
+    }
+    const double travelled = path + (truth->p - last).norm();
+    alignment.add(estimate.T.p, truth->p);
+    const double error = alignment.error(estimate.T.p, truth->p);
+    if (error <= kDivergedError || error <= kDivergedShare * travelled) continue;
+    return std::pair{estimate.t, fmt::format("the position is {:.2f} m from the reference after {:.2f} m of path, more "
+                                             "than {:.0f} m and {:.0f} %",
+                                             error, travelled, kDivergedError, 100 * kDivergedShare)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace aslio::experiment

@@ -47,7 +47,8 @@ class ProgressFeed final : public pipeline::UpdateObserver {
     if (!first_) first_ = record.plan.fresh_begin;
     progress_.data_s = to_seconds(record.plan.end - *first_);
     progress_.overlap = record.overlap.value;
-    progress_.rate_hz = 1.0 / to_seconds(record.plan.end - record.plan.fresh_begin);
+    // A window that a gap or the end cut short says nothing of the rate.
+    if (!record.plan.partial) progress_.rate_hz = 1.0 / to_seconds(record.plan.end - record.plan.fresh_begin);
     fresh_ = true;
   }
   void after_measurement() {
@@ -103,6 +104,24 @@ Manifest identify(const RunOptions& options, const Prepared& prepared) {
   manifest.input_sha256 = io::input_digest(options.input);
   manifest.input_hash_s = seconds_since(start);
   return manifest;
+}
+
+/// Opens the input and identifies everything that is read. What cannot be read fails the run, and the summary says so.
+std::unique_ptr<io::MeasurementSource> open_source(const RunOptions& options, const Prepared& prepared,
+                                                   Manifest& manifest) {
+  try {
+    auto source = io::open_source(options.input, prepared.sensor.value, options.section);
+    manifest = identify(options, prepared);
+    return source;
+  } catch (const std::exception& error) {
+    Summary summary;
+    RunOutcome outcome;
+    outcome.failure = error.what();
+    judge(summary, outcome);
+    write_file(options.output / "resolved.yaml", prepared.pipeline.resolved);
+    write_file(options.output / "summary.json", to_json(summary));
+    throw;
+  }
 }
 
 /// Pumps the source into the odometry until one of them, or the monitor, ends it.
@@ -210,11 +229,12 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const SensorModel& sensor = prepared.sensor.value.model;
   exec::Executor executor(options.threads);
   pipeline::Odometry odometry(prepared.pipeline.value, {executor, sensor, std::move(log), options.order_seed});
+  refuse_to_overwrite_inputs(options);
   const auto outputs = open_outputs(options, sensor);
-  const auto source = io::open_source(options.input, prepared.sensor.value, options.section);
-
-  const Manifest manifest = identify(options, prepared);
   remove_stale(options);
+
+  Manifest manifest;
+  const auto source = open_source(options, prepared, manifest);
 
   monitor.on_start(source->notes());
   RunResult result;
@@ -230,8 +250,13 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   summary.cpu_s = process_cpu_seconds() - cpu_start;
   summary.wall_s = seconds_since(start);
   summary.peak_rss_mb = peak_rss_mb();
-  if (prepared.reference) measure(summary, loop.collector().poses(), *prepared.reference);
-  judge(summary, outcome, loop.collector().was_degraded());
+  if (prepared.reference) {
+    measure(summary, loop.collector().poses(), *prepared.reference);
+    if (summary.evaluation && !outcome.divergence) {
+      outcome.divergence = find_divergence(*summary.evaluation, loop.collector().poses(), *prepared.reference);
+    }
+  }
+  judge(summary, outcome);
   result.bad_data = blames_data(summary, loop.bad_data());
 
   write_file(options.output / "resolved.yaml", prepared.pipeline.resolved);

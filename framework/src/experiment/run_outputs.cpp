@@ -2,14 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "aslio/core/errors.hpp"
 
 namespace aslio::experiment {
 
 namespace {
+
+/// Every file of the output folder.
+constexpr std::array<std::string_view, 8> kNames = {"trajectory.tum", "trajectory_lidar.tum", "trajectory_dense.tum",
+                                                    "updates.csv",    "timings.csv",          "resolved.yaml",
+                                                    "manifest.json",  "summary.json"};
 
 bool finite(const NavState& state) { return state.R.allFinite() && state.p.allFinite(); }
 
@@ -31,7 +40,7 @@ std::string updates_header() {
   for (std::size_t i = 0; i < kMaxLayers; ++i) fmt::format_to(std::back_inserter(line), ",layer_{}", i);
   line += ",seg_time,shift_time_s,echo,iterations,n_matches";
   for (int i = 1; i <= 6; ++i) fmt::format_to(std::back_inserter(line), ",eig_{}", i);
-  return line + ",digest\n";
+  return line + ",digest,extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking\n";
 }
 
 std::string updates_line(const pipeline::UpdateRecord& record) {
@@ -44,8 +53,16 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
   for (const std::uint32_t points : record.overlap.layers) fmt::format_to(out, ",{}", points);
   fmt::format_to(out, ",{},{},{},{},{}", plan.seg_time, plan.shift_time, plan.echo, record.iterations,
                  record.n_matches);
-  for (const double eigenvalue : record.spectrum) fmt::format_to(out, ",{}", eigenvalue);
-  fmt::format_to(out, ",{:016x}\n", record.digest);
+  // Without a solution there is no information to take eigenvalues of, and zeros would pass for a measurement.
+  const bool solved = record.update->accepted;
+  for (const double eigenvalue : record.spectrum) {
+    line += ',';
+    if (solved) fmt::format_to(out, "{}", eigenvalue);
+  }
+  fmt::format_to(out, ",{:016x},{},{},{},{},", record.digest, plan.extended ? 1 : 0, plan.partial ? 1 : 0,
+                 record.update->fresh_matches, record.update->history_matches);
+  if (solved) fmt::format_to(out, "{}", record.residual_rms);
+  fmt::format_to(out, ",{},{}\n", record.inserted.inserted, pipeline::name(record.tracking));
   return line;
 }
 
@@ -109,6 +126,28 @@ void RunOutputs::close() {
   if (map_) map_->close();
 }
 
+void refuse_to_overwrite_inputs(const RunOptions& options) {
+  std::vector<std::pair<std::string_view, std::filesystem::path>> inputs = {
+      {"the pipeline", options.pipeline}, {"--input", options.input}, {"--sensor", options.sensor}};
+  if (options.reference) inputs.emplace_back("--reference", *options.reference);
+  for (const PluginFile& plugin : options.plugins) inputs.emplace_back("--plugin", plugin.path);
+  std::vector<std::pair<std::string_view, std::filesystem::path>> outputs;
+  for (const std::string_view name : kNames) outputs.emplace_back("--output", options.output / name);
+  if (options.save_map) outputs.emplace_back("--save-map", *options.save_map);
+  const auto canonical = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(path, ignored);
+  };
+  for (const auto& [written_by, output] : outputs) {
+    for (const auto& [read_by, input] : inputs) {
+      std::error_code ignored;
+      if (canonical(output) != canonical(input) && !std::filesystem::equivalent(output, input, ignored)) continue;
+      throw ConfigError(fmt::format("{}: {} would be overwritten, and {} reads it; name another place", written_by,
+                                    input.string(), read_by));
+    }
+  }
+}
+
 std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor) {
   const std::string place = fmt::format("--output {}", options.output.string());
   std::error_code error;
@@ -127,8 +166,7 @@ std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const Sensor
 
 void remove_stale(const RunOptions& options) {
   std::error_code ignored;
-  std::filesystem::remove(options.output / "summary.json", ignored);
-  if (!options.dense) std::filesystem::remove(options.output / "trajectory_dense.tum", ignored);
+  for (const std::string_view name : kNames) std::filesystem::remove(options.output / name, ignored);
 }
 
 void write_file(const std::filesystem::path& path, const std::string& text) {

@@ -43,11 +43,14 @@ class RunOutputs final : public pipeline::UpdateObserver {
   std::exception_ptr failure_;
 };
 
+/// Throws ConfigError when a file of the run would replace one that it reads: results are no place for inputs.
+void refuse_to_overwrite_inputs(const RunOptions& options);
+
 /// Creates the folder and every file that grows. Throws ConfigError when that cannot be: nothing has been read yet, and
 /// another --output is the remedy.
 std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor);
 
-/// Removes what an earlier run left and this one will not replace, and its summary: that stands for a finished run.
+/// Removes the results of an earlier run, whatever becomes of this one; maps have names of their own and stay.
 void remove_stale(const RunOptions& options);
 
 /// A whole small file.

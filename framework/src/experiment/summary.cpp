@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "aslio/evaluation/report.hpp"
 #include "aslio/experiment/measure.hpp"
@@ -14,6 +15,63 @@ namespace {
 using Json = nlohmann::ordered_json;
 using pipeline::RunStatus;
 
+using StatusCounts = std::array<std::uint64_t, 6>;
+
+std::uint64_t sum(const StatusCounts& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
+
+std::uint64_t count(const StatusCounts& counts, UpdateStatus status) {
+  return counts[static_cast<std::size_t>(status)];
+}
+
+constexpr std::array kWeak = {UpdateStatus::degenerate, UpdateStatus::few_matches, UpdateStatus::non_finite};
+
+double weak_share(const Summary& s) {
+  std::uint64_t weak = 0;
+  for (const UpdateStatus status : kWeak) weak += count(s.updates_by_status, status);
+  return s.updates > 0 ? static_cast<double>(weak) / static_cast<double>(s.updates) : 0.0;
+}
+
+void append(std::string& text, std::string_view what, std::string_view separator) {
+  if (!text.empty() && !what.empty()) text += separator;
+  text += what;
+}
+
+/// "3 few_matches, 1 non_finite".
+std::string by_status(const StatusCounts& counts) {
+  std::string text;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    append(text, fmt::format("{} {}", counts[i], pipeline::name(static_cast<UpdateStatus>(i))), ", ");
+  }
+  return text;
+}
+
+/// "7 of 273 updates were refused (7 few_matches)"; empty when none was.
+std::string refused(const Summary& s) {
+  const std::uint64_t total = sum(s.refused_by_status);
+  if (total == 0) return {};
+  return fmt::format("{} of {} updates were refused ({})", total, s.updates, by_status(s.refused_by_status));
+}
+
+std::string none_accepted(const Summary& s) {
+  const std::string why =
+      s.matchable_points == 0 ? "no point got through the samplers (range limits?)" : by_status(s.updates_by_status);
+  return fmt::format("none of {} updates was accepted: {}", s.updates, why);
+}
+
+/// What makes a run `degraded`; empty: nothing.
+std::string shortcomings(const Summary& s, const std::string& odd) {
+  std::string text;
+  if (s.refused_after_accepted) append(text, refused(s), "; ");
+  if (weak_share(s) > kMaxWeakShare) {
+    append(text, fmt::format("{}, more than {:.0f} % in all", weak_updates(s), 100 * kMaxWeakShare), "; ");
+  }
+  append(text, odd, "; ");
+  return text;
+}
+
 Json counts(const Summary& s) {
   const stream::StreamCounters& c = s.counters;
   Json out = {{"packets", c.packets},
@@ -23,6 +81,7 @@ Json counts(const Summary& s) {
               {"points", c.points},
               {"points_invalid", c.points_invalid},
               {"points_stray", c.points_stray},
+              {"points_before_start", c.points_before_start},
               {"points_late", c.points_late},
               {"points_reordered", c.points_reordered},
               {"imu", c.imu},
@@ -36,6 +95,7 @@ Json counts(const Summary& s) {
     const auto name = pipeline::name(static_cast<UpdateStatus>(i));
     out[fmt::format("updates_{}", name)] = s.updates_by_status[i];
   }
+  out["updates_refused"] = sum(s.refused_by_status);
   return out;
 }
 
@@ -99,6 +159,7 @@ std::string to_json(const Summary& s) {
   out["coverage"] = s.coverage;
   out["counts"] = counts(s);
   out["updates"] = s.updates;
+  out["weak_updates"] = weak_updates(s);
   out["rate_hz"] = nullptr;
   if (s.rate_hz) out["rate_hz"] = {{"min", s.rate_hz->min}, {"median", s.rate_hz->median}, {"max", s.rate_hz->max}};
   out["path_length_m"] = s.path_length_m;
@@ -115,8 +176,16 @@ std::string to_json(const Summary& s) {
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void judge(Summary& s, const RunOutcome& outcome, bool was_degraded) {
-  const std::string odd = anomalies(s);
+std::string weak_updates(const Summary& s) {
+  std::string text;
+  for (const UpdateStatus status : kWeak) {
+    const std::uint64_t n = count(s.updates_by_status, status);
+    if (n > 0) append(text, fmt::format("{} of {} updates {}", n, s.updates, pipeline::name(status)), ", ");
+  }
+  return text;
+}
+
+void judge(Summary& s, const RunOutcome& outcome) {
   if (outcome.interrupted) {
     set(s, RunStatus::interrupted, fmt::format("stopped from outside after {:.2f} s of data", s.data_s));
   } else if (outcome.failure) {
@@ -128,15 +197,16 @@ void judge(Summary& s, const RunOutcome& outcome, bool was_degraded) {
     set(s, RunStatus::truncated, "the input ends before its last record does; all that is whole was used");
   } else if (s.updates == 0) {
     set(s, RunStatus::failed, no_state(s));
+  } else if (s.accepted == 0) {
+    set(s, RunStatus::failed, none_accepted(s));
   } else if (outcome.tracking == pipeline::TrackingStatus::lost) {
     set(s, RunStatus::failed, "tracking was lost at the end");
   } else if (s.coverage < kMinCoverage) {
     set(s, RunStatus::failed,
-        fmt::format("updates cover {:.1f} % of the data, less than {:.0f} %", 100 * s.coverage, 100 * kMinCoverage));
-  } else if (was_degraded) {
-    set(s, RunStatus::degraded, "updates were refused for a while" + (odd.empty() ? "" : "; " + odd));
-  } else if (!odd.empty()) {
-    set(s, RunStatus::degraded, odd);
+        fmt::format("updates cover {:.1f} % of the data, less than {:.0f} %{}", 100 * s.coverage, 100 * kMinCoverage,
+                    refused(s).empty() ? "" : "; " + refused(s)));
+  } else if (const std::string shortfall = shortcomings(s, anomalies(s)); !shortfall.empty()) {
+    set(s, RunStatus::degraded, shortfall);
   } else {
     set(s, RunStatus::ok, "");
   }

@@ -42,11 +42,15 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
     steps_.push_back(plan.end - plan.fresh_begin);
   }
   if (record.state.R.allFinite() && record.state.p.allFinite()) poses_.push_back({plan.end, record.state.pose()});
-  if (record.update->accepted || record.status == UpdateStatus::initialising) {
+  const bool initialising = record.status == UpdateStatus::initialising;
+  matchable_points_ += record.update->match_points.size();
+  if (record.update->accepted) ++accepted_;
+  // A window that starts the map does so by the points that enter it.
+  if (record.update->accepted || (initialising && record.inserted.inserted > 0)) {
     covered_ += plan.end - plan.fresh_begin;
-    accepted_once_ = accepted_once_ || record.update->accepted;
-  } else if (accepted_once_) {
-    was_degraded_ = true;
+  } else if (!initialising) {
+    ++refused_[static_cast<std::size_t>(record.status)];
+    refused_after_accepted_ = refused_after_accepted_ || accepted_ > 0;
   }
 }
 
@@ -61,6 +65,10 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
   summary.counters = stream.counters();
   summary.updates = updates_;
   summary.updates_by_status = by_status_;
+  summary.refused_by_status = refused_;
+  summary.accepted = accepted_;
+  summary.matchable_points = matchable_points_;
+  summary.refused_after_accepted = refused_after_accepted_;
   summary.longest_imu_gap_s = to_seconds(imu_gap_);
   summary.longest_lidar_gap_s = to_seconds(point_gap_);
   summary.rate_hz = rates(steps_);

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
 #include "aslio/evaluation/evaluation.hpp"
 
 namespace aslio::experiment {
@@ -15,5 +20,16 @@ struct HeadlineRpe {
   double distance_m = 0;
 };
 std::optional<HeadlineRpe> headline_rpe(const evaluation::Evaluation& evaluation);
+
+/// A position error beyond both of these is a divergence: a share of the path travelled so far, and metres.
+inline constexpr double kDivergedShare = 0.05;
+inline constexpr double kDivergedError = 2.0;
+
+/// The first moment at which `poses` have diverged from the reference, and why. Errors at a moment are those after a
+/// rigid alignment of the positions up to that moment. The path is that of the reference. Poses that the evaluation
+/// could not match are passed over.
+std::optional<std::pair<TimeNs, std::string>> find_divergence(const evaluation::Evaluation& evaluation,
+                                                              std::span<const StampedPose> poses,
+                                                              const Trajectory& reference);
 
 }  // namespace aslio::experiment

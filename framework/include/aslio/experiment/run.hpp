@@ -41,7 +41,7 @@ struct Progress {
   std::optional<double> duration_s;  ///< of the whole input, where known
   double wall_s = 0;
   std::optional<double> overlap;  ///< of the last update
-  double rate_hz = 0;             ///< of the last update
+  double rate_hz = 0;             ///< of the last whole window
 };
 
 /// How a run talks to whoever started it. Called from the thread of run().
@@ -61,9 +61,10 @@ struct RunResult {
 };
 
 /// Runs and writes all files of `options.output`, each of which appears whole or not at all and replaces that of an
-/// earlier run; summary.json is removed first and written last. What fails in the middle is in the result, and what
-/// there is has been written. Throws before any data is read: ConfigError for a configuration, option or output folder
-/// that cannot be used, DataError for an input or a reference that cannot.
+/// earlier run; the results of that are removed first, and summary.json is written last. What fails in the middle is in
+/// the result, and what there is has been written. Throws before any data is read: ConfigError for a configuration,
+/// option or output folder that cannot be used or would overwrite an input, DataError for an input (which leaves a
+/// summary.json that says so) or a reference that cannot.
 RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMonitor& monitor,
               std::shared_ptr<spdlog::logger> log);
 

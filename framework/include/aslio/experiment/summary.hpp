@@ -17,6 +17,8 @@ namespace aslio::experiment {
 inline constexpr double kMinCoverage = 0.95;
 /// Initialisation may take this long before the time it takes counts as uncovered [ns].
 inline constexpr TimeNs kInitialisationGrace = kSecond;
+/// A run with more than this share of weak updates (degenerate, few matches, not finite) is `degraded`.
+inline constexpr double kMaxWeakShare = 0.25;
 /// A step between IMU samples, or between points, beyond this makes a run `degraded` [ns].
 inline constexpr TimeNs kLongGap = kSecond / 2;
 
@@ -32,9 +34,13 @@ struct Summary {
   std::optional<TimeNs> moment;    ///< data time of the divergence or of the failure
   std::string initialisation;      ///< the verdict
   std::vector<std::string> notes;  ///< verdicts and warnings of the reader
-  double coverage = 0;             ///< share of the data's duration inside the fresh intervals of updates not refused
+  double coverage = 0;             ///< share of the data's duration inside fresh intervals that counted
   stream::StreamCounters counters;
   std::array<std::uint64_t, 6> updates_by_status{};  ///< by UpdateStatus
+  std::array<std::uint64_t, 6> refused_by_status{};  ///< of them, those refused: after the map had its first points
+  std::uint64_t accepted = 0;                        ///< updates that corrected the state
+  std::uint64_t matchable_points = 0;                ///< points that the samplers left to match, of all updates
+  bool refused_after_accepted = false;               ///< some update was refused after the first accepted one
   std::uint64_t updates = 0;
   double longest_imu_gap_s = 0, longest_lidar_gap_s = 0;
   std::optional<RateRange> rate_hz;
@@ -51,6 +57,10 @@ struct Summary {
 /// summary.json as text.
 std::string to_json(const Summary& summary);
 
+/// "31 of 273 updates degenerate, 4 of 273 updates few_matches": updates that bind the state poorly or not at all.
+/// Empty when there is none.
+std::string weak_updates(const Summary& summary);
+
 /// Follows a run and gathers what its summary needs.
 class SummaryCollector final : public pipeline::UpdateObserver {
  public:
@@ -64,18 +74,16 @@ class SummaryCollector final : public pipeline::UpdateObserver {
 
   /// T_W_I at the end of every update with a finite state.
   const std::vector<StampedPose>& poses() const { return poses_; }
-  /// Some update was refused after the first accepted one.
-  bool was_degraded() const { return was_degraded_; }
 
  private:
   std::vector<StampedPose> poses_;
   std::vector<TimeNs> steps_;  ///< between the ends of consecutive whole windows
-  std::array<std::uint64_t, 6> by_status_{};
-  std::uint64_t updates_ = 0;
+  std::array<std::uint64_t, 6> by_status_{}, refused_{};
+  std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0;
   TimeNs covered_ = 0;
   std::optional<TimeNs> first_begin_;
   TimeNs imu_gap_ = 0, point_gap_ = 0;
-  bool accepted_once_ = false, was_degraded_ = false;
+  bool refused_after_accepted_ = false;
 };
 
 /// What may end a run, in order of precedence.
@@ -88,7 +96,8 @@ struct RunOutcome {
 };
 
 /// Sets status, reason and moment. Pre: everything else of the summary is filled.
-///   interrupted > failed (in the middle) > diverged > truncated > failed (no state, lost, coverage) > degraded > ok
-void judge(Summary& summary, const RunOutcome& outcome, bool was_degraded);
+///   interrupted > failed (in the middle) > diverged > truncated > failed (no state, none accepted, lost, coverage) >
+///   degraded > ok
+void judge(Summary& summary, const RunOutcome& outcome);
 
 }  // namespace aslio::experiment

@@ -1,0 +1,117 @@
+/// What status a run deserves, and in which words.
+
+#include <catch2/catch.hpp>
+
+#include "aslio/experiment/measure.hpp"
+#include "aslio/experiment/summary.hpp"
+
+using namespace aslio;
+using Catch::Matchers::Contains;
+using experiment::judge;
+using experiment::RunOutcome;
+using experiment::Summary;
+using pipeline::RunStatus;
+
+namespace {
+
+constexpr auto kDegenerate = static_cast<std::size_t>(UpdateStatus::degenerate);
+constexpr auto kFewMatches = static_cast<std::size_t>(UpdateStatus::few_matches);
+constexpr auto kInitialising = static_cast<std::size_t>(UpdateStatus::initialising);
+
+/// A run that is fine.
+Summary good_run() {
+  Summary s;
+  s.updates = s.accepted = 200;
+  s.updates_by_status[0] = 200;
+  s.counters.points = s.counters.imu = 1000;
+  s.matchable_points = 1000;
+  s.coverage = 1.0;
+  return s;
+}
+
+Summary with(Summary s, std::size_t status, std::uint64_t count) {
+  s.updates_by_status[status] = count;
+  s.updates_by_status[0] = s.updates - count;
+  return s;
+}
+
+void judge_ended(Summary& s) {
+  RunOutcome outcome;
+  outcome.tracking = pipeline::TrackingStatus::ok;
+  judge(s, outcome);
+}
+
+/// A straight walk of 1 m/s over 100 s, with a bend so that an alignment is determined.
+std::vector<StampedPose> walk() {
+  std::vector<StampedPose> poses;
+  for (int i = 0; i <= 1000; ++i) {
+    StampedPose pose;
+    pose.t = i * kSecond / 10;
+    const double s = 0.1 * i;
+    pose.T.p = s < 50 ? Vec3(s, 0, 0) : Vec3(50, s - 50, 0);
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+std::optional<std::pair<TimeNs, std::string>> divergence_of(const std::vector<StampedPose>& estimate) {
+  const Trajectory reference(walk());
+  const auto options = experiment::measuring_options(reference, evaluation::Rule::interpolated);
+  const auto evaluation = evaluation::evaluate(Trajectory(estimate), reference, options);
+  return experiment::find_divergence(evaluation, estimate, reference);
+}
+
+}  // namespace
+
+TEST_CASE("weak updates are told, and beyond a quarter of all they degrade a run") {
+  Summary some = with(good_run(), kDegenerate, 50);
+  judge_ended(some);
+  CHECK(some.status == RunStatus::ok);
+  CHECK(experiment::weak_updates(some) == "50 of 200 updates degenerate");
+  CHECK_THAT(to_json(some), Contains("\"weak_updates\": \"50 of 200 updates degenerate\""));
+  Summary many = with(good_run(), kDegenerate, 51);
+  judge_ended(many);
+  CHECK(many.status == RunStatus::degraded);
+  CHECK(many.reason == "51 of 200 updates degenerate, more than 25 % in all");
+}
+
+TEST_CASE("refused updates are told with their number and status") {
+  Summary s = with(good_run(), kFewMatches, 7);
+  s.refused_by_status[kFewMatches] = 7;
+  s.accepted = 193;
+  s.refused_after_accepted = true;
+  judge_ended(s);
+  CHECK(s.status == RunStatus::degraded);
+  CHECK(s.reason == "7 of 200 updates were refused (7 few_matches)");
+  CHECK_THAT(to_json(s), Contains("\"updates_refused\": 7"));
+}
+
+TEST_CASE("a run without an accepted update has failed, and says why") {
+  Summary none = with(good_run(), kInitialising, 200);
+  none.accepted = 0;
+  none.matchable_points = 0;
+  judge_ended(none);
+  CHECK(none.status == RunStatus::failed);
+  CHECK_THAT(none.reason, Contains("none of 200 updates was accepted") && Contains("no point got through"));
+  Summary few = with(good_run(), kFewMatches, 199);
+  few.updates_by_status[0] = 0;
+  few.updates_by_status[kInitialising] = 1;
+  few.accepted = 0;
+  judge_ended(few);
+  CHECK(few.status == RunStatus::failed);
+  CHECK_THAT(few.reason, Contains("1 initialising, 199 few_matches"));
+}
+
+TEST_CASE("a position far from the reference is a divergence, a small drift is none") {
+  CHECK_FALSE(divergence_of(walk()).has_value());
+  std::vector<StampedPose> drifting = walk();
+  for (StampedPose& pose : drifting) pose.T.p *= 1.03;  // 3 % of the path, in the end 3 m
+  CHECK_FALSE(divergence_of(drifting).has_value());
+  std::vector<StampedPose> lost = walk();
+  for (std::size_t i = 800; i < lost.size(); ++i) lost[i].T.p.z() += 0.1 * static_cast<double>(i - 800);
+  const auto divergence = divergence_of(lost);
+  REQUIRE(divergence.has_value());
+  CHECK(to_seconds(divergence->first) > 80.0);
+  CHECK(to_seconds(divergence->first) < 95.0);
+  CHECK_THAT(divergence->second, Contains("m from the reference after") && Contains("more than 2 m and 5 %"));
+}

@@ -1,0 +1,19 @@
+#pragma once
+/// What CLI11's own checks leave to be desired: readable messages, and no value that wraps, overflows or is not finite.
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace aslio::cli {
+
+/// A finite number of seconds of at most 1e9; `positive` refuses zero, too.
+CLI::Validator seconds(bool positive);
+/// A whole number in [min, max] without sign.
+CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
+
+/// The one of `names` with the fewest letters to insert, delete or replace, at most 2 of them; empty when none is near.
+std::string nearest_name(std::string_view wrong, const std::vector<std::string>& names);
+
+}  // namespace aslio::cli
