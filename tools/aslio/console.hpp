@@ -12,7 +12,8 @@ namespace aslio::cli {
 /// Text from files and bags may hold anything: control characters other than line feed and tab become '?'.
 std::string printable(std::string_view text);
 
-/// Results, to stdout. Throws DataError when they cannot be written; a reader that has left (a closed pipe) is no error.
+/// Results, to stdout. Throws DataError when they cannot be written; a reader that has left (a closed pipe) is no
+/// error.
 void print(std::string_view text);
 /// What concerns the user besides the results, to stderr, one line. Clears a progress bar that stands there.
 void tell(std::string_view line);
