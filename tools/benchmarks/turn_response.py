@@ -52,7 +52,7 @@ def updates(run):
     out = []
     for before, row in zip(rows, rows[1:-1]):  # the end of the recording cuts the last window short
         begin, end = int(before["t_ns"]), int(row["t_ns"])
-        out.append((1e-9 * end, 1e9 / (end - begin), float(row["sod"]) if row["sod"] else None))
+        out.append((1e-9 * end, 1e9 / (end - begin), float(row["sod"]) if row["sod"] else None, float(row["gyro_rms_rad_s"])))
     return out
 
 
@@ -65,7 +65,7 @@ def respond(run, times, rates):
             known = [s[2] for s in near if s[2] is not None]
             turns.append((times[i], rates[i], max(s[1] for s in near), min(known) if known else None))
     calm = []
-    for t, rate, _ in steps:
+    for t, rate, _, _ in steps:
         low, high = bisect.bisect_left(times, t - 1.0), bisect.bisect_right(times, t)
         if high > low and times[low] <= t - 0.9 and max(rates[low:high]) < 0.3:
             calm.append(rate)
@@ -77,20 +77,19 @@ set terminal svg dynamic size 900,620 font 'sans,12' background rgb 'white'
 set output '{output}'
 set multiplot layout 3,1 margins 0.08,0.98,0.09,0.97 spacing 0.05
 set grid; unset key; set format x ''
-set ylabel 'turn rate [rad/s]'; plot '{gyro}' using 1:2 with lines lc rgb '#555555'
-set ylabel 'overlap'; set yrange [0:1.05]; plot '{steps}' using 1:3 with lines lc rgb '#0066aa'
+set ylabel 'gyro [rad/s]'; plot '{steps}' using 1:4 with lines lc rgb '#555555'
+set ylabel 'overlap'; set yrange [0:1.05]; plot '{steps}' using 1:3 with linespoints pt 7 ps 0.2 lc rgb '#0066aa'
 set ylabel 'update rate [Hz]'; set yrange [0:*]; set format x '%g'; set xlabel 'time [s]'
 plot '{steps}' using 1:2 with fsteps lc rgb '#aa3300'
 """
 
 
-def plot(run, times, rates, output):
+def plot(run, origin, output):
     with tempfile.TemporaryDirectory() as folder:
-        gyro, steps = pathlib.Path(folder) / "gyro", pathlib.Path(folder) / "steps"
-        origin = times[0]
-        gyro.write_text("".join(f"{t - origin:.3f} {w:.4f}\n" for t, w in list(zip(times, rates))[::8]))
-        steps.write_text("".join(f"{t - origin:.3f} {r:.2f} {'nan' if o is None else f'{o:.4f}'}\n" for t, r, o in updates(run)))
-        subprocess.run(["gnuplot"], input=PLOT.format(output=output, gyro=gyro, steps=steps), text=True, check=True)
+        steps = pathlib.Path(folder) / "steps"
+        steps.write_text("".join(f"{t - origin:.3f} {rate:.2f} {'nan' if o is None else f'{o:.4f}'} {gyro:.4f}\n"
+                                 for t, rate, o, gyro in updates(run)))
+        subprocess.run(["gnuplot"], input=PLOT.format(output=output, steps=steps), text=True, check=True)
 
 
 def main():
@@ -106,7 +105,7 @@ def main():
         text = "; ".join(f"{t - times[0]:.1f}: {w:.1f}, {rate:.0f}, {'-' if o is None else f'{o:.2f}'}" for t, w, rate, o in turns)
         print(f"| {run} | {text} | {calm:.1f} |")
     if options.plot:
-        plot(options.run[0], times, rates, options.plot)
+        plot(options.run[0], times[0], options.plot)
         print(f"wrote {options.plot}", file=sys.stderr)
 
 

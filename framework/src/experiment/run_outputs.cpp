@@ -40,7 +40,8 @@ std::string updates_header() {
   for (std::size_t i = 0; i < kMaxLayers; ++i) fmt::format_to(std::back_inserter(line), ",layer_{}", i);
   line += ",seg_time,shift_time_s,echo,iterations,n_matches";
   for (int i = 1; i <= 6; ++i) fmt::format_to(std::back_inserter(line), ",eig_{}", i);
-  return line + ",digest,extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking\n";
+  return line +
+         ",digest,extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,gyro_rms_rad_s\n";
 }
 
 std::string updates_line(const pipeline::UpdateRecord& record) {
@@ -62,7 +63,7 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
   fmt::format_to(out, ",{:016x},{},{},{},{},", record.digest, plan.extended ? 1 : 0, plan.partial ? 1 : 0,
                  record.update->fresh_matches, record.update->history_matches);
   if (solved) fmt::format_to(out, "{}", record.residual_rms);
-  fmt::format_to(out, ",{},{}\n", record.inserted.inserted, pipeline::name(record.tracking));
+  fmt::format_to(out, ",{},{},{}\n", record.inserted.inserted, pipeline::name(record.tracking), record.gyro_rms);
   return line;
 }
 

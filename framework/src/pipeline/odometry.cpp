@@ -1,5 +1,7 @@
 #include "aslio/pipeline/odometry.hpp"
 
+#include <cmath>
+
 #include "aslio/core/cpu_clock.hpp"
 #include "prior_probe.hpp"
 
@@ -12,6 +14,12 @@ SamplerChain build_chain(const std::vector<config::Nested<Sampler>>& members, co
   chain.reserve(members.size());
   for (const auto& member : members) chain.push_back(member.make(context));
   return SamplerChain(std::move(chain));
+}
+
+double gyro_rms(std::span<const ImuSample> samples) {
+  double squares = 0;
+  for (const ImuSample& sample : samples) squares += sample.gyro.squaredNorm();
+  return samples.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(samples.size()));
 }
 
 }  // namespace
@@ -99,6 +107,7 @@ class Odometry::Loop {
     record.n_matches = update.fresh_matches + update.history_matches;
     record.spectrum = update.spectrum;
     record.residual_rms = update.residual_rms;
+    record.gyro_rms = gyro_rms(window.imu);
     record.map_points = map_->size();
     record.state = update.state;
     record.digest = state_digest(update.state);
