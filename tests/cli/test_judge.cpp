@@ -63,16 +63,18 @@ std::optional<std::pair<TimeNs, std::string>> divergence_of(const std::vector<St
 
 }  // namespace
 
-TEST_CASE("weak updates are told, and beyond a quarter of all they degrade a run") {
-  Summary some = with(good_run(), kDegenerate, 50);
+TEST_CASE("weak updates are told, and over a quarter of the time they degrade a run, however many they are") {
+  Summary some = with(good_run(), kDegenerate, 80);
+  some.weak_share = 0.25;
   judge_ended(some);
   CHECK(some.status == RunStatus::ok);
-  CHECK(experiment::weak_updates(some) == "50 of 200 updates degenerate");
-  CHECK_THAT(to_json(some), Contains("\"weak_updates\": \"50 of 200 updates degenerate\""));
-  Summary many = with(good_run(), kDegenerate, 51);
+  CHECK(experiment::weak_updates(some) == "80 of 200 updates degenerate");
+  CHECK_THAT(to_json(some), Contains("\"weak_updates\": \"80 of 200 updates degenerate\""));
+  Summary many = with(good_run(), kDegenerate, 40);
+  many.weak_share = 0.31;
   judge_ended(many);
   CHECK(many.status == RunStatus::degraded);
-  CHECK(many.reason == "51 of 200 updates degenerate, more than 25 % in all");
+  CHECK(many.reason == "40 of 200 updates degenerate: 31 % of the time, more than 25 %");
 }
 
 TEST_CASE("refused updates are told with their number and status") {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -26,12 +27,6 @@ std::uint64_t count(const StatusCounts& counts, UpdateStatus status) {
 }
 
 constexpr std::array kWeak = {UpdateStatus::degenerate, UpdateStatus::few_matches, UpdateStatus::non_finite};
-
-double weak_share(const Summary& s) {
-  std::uint64_t weak = 0;
-  for (const UpdateStatus status : kWeak) weak += count(s.updates_by_status, status);
-  return s.updates > 0 ? static_cast<double>(weak) / static_cast<double>(s.updates) : 0.0;
-}
 
 void append(std::string& text, std::string_view what, std::string_view separator) {
   if (!text.empty() && !what.empty()) text += separator;
@@ -65,8 +60,11 @@ std::string none_accepted(const Summary& s) {
 std::string shortcomings(const Summary& s, const std::string& odd) {
   std::string text;
   if (s.refused_after_accepted) append(text, refused(s), "; ");
-  if (weak_share(s) > kMaxWeakShare) {
-    append(text, fmt::format("{}, more than {:.0f} % in all", weak_updates(s), 100 * kMaxWeakShare), "; ");
+  if (s.weak_share > kMaxWeakShare) {
+    append(text,
+           fmt::format("{}: {:.0f} % of the time, more than {:.0f} %", weak_updates(s), 100 * s.weak_share,
+                       100 * kMaxWeakShare),
+           "; ");
   }
   append(text, odd, "; ");
   return text;
@@ -160,6 +158,7 @@ std::string to_json(const Summary& s) {
   out["counts"] = counts(s);
   out["updates"] = s.updates;
   out["weak_updates"] = weak_updates(s);
+  out["weak_share"] = s.weak_share;
   out["rate_hz"] = nullptr;
   if (s.rate_hz) out["rate_hz"] = {{"min", s.rate_hz->min}, {"median", s.rate_hz->median}, {"max", s.rate_hz->max}};
   out["path_length_m"] = s.path_length_m;
@@ -175,6 +174,8 @@ std::string to_json(const Summary& s) {
   if (s.evaluation) out["evaluation"] = evaluation::to_json(*s.evaluation);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
+
+bool is_weak(UpdateStatus status) { return std::find(kWeak.begin(), kWeak.end(), status) != kWeak.end(); }
 
 std::string weak_updates(const Summary& s) {
   std::string text;

@@ -42,6 +42,8 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
     steps_.push_back(plan.end - plan.fresh_begin);
   }
   if (record.state.R.allFinite() && record.state.p.allFinite()) poses_.push_back({plan.end, record.state.pose()});
+  windows_ += plan.end - plan.fresh_begin;
+  if (is_weak(record.status)) weak_ += plan.end - plan.fresh_begin;
   const bool initialising = record.status == UpdateStatus::initialising;
   matchable_points_ += record.update->match_points.size();
   if (record.update->accepted) ++accepted_;
@@ -64,6 +66,7 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
                             std::optional<TimeNs> data_end) const {
   summary.counters = stream.counters();
   summary.updates = updates_;
+  summary.weak_share = windows_ > 0 ? to_seconds(weak_) / to_seconds(windows_) : 0.0;
   summary.updates_by_status = by_status_;
   summary.refused_by_status = refused_;
   summary.accepted = accepted_;

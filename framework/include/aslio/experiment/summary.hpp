@@ -17,7 +17,8 @@ namespace aslio::experiment {
 inline constexpr double kMinCoverage = 0.95;
 /// Initialisation may take this long before the time it takes counts as uncovered [ns].
 inline constexpr TimeNs kInitialisationGrace = kSecond;
-/// A run with more than this share of weak updates (degenerate, few matches, not finite) is `degraded`.
+/// A run with weak updates (degenerate, few matches, not finite) over more than this share of its time is `degraded`.
+/// Of its time, not of its updates: a window that shortens itself where the view is weak must not look worse for it.
 inline constexpr double kMaxWeakShare = 0.25;
 /// A step between IMU samples, or between points, beyond this makes a run `degraded` [ns].
 inline constexpr TimeNs kLongGap = kSecond / 2;
@@ -41,6 +42,7 @@ struct Summary {
   std::uint64_t accepted = 0;                        ///< updates that corrected the state
   std::uint64_t matchable_points = 0;                ///< points that the samplers left to match, of all updates
   bool refused_after_accepted = false;               ///< some update was refused after the first accepted one
+  double weak_share = 0;                             ///< of the time of all windows, that of weak updates
   std::uint64_t updates = 0;
   double longest_imu_gap_s = 0, longest_lidar_gap_s = 0;
   std::optional<RateRange> rate_hz;
@@ -60,6 +62,8 @@ std::string to_json(const Summary& summary);
 /// "31 of 273 updates degenerate, 4 of 273 updates few_matches": updates that bind the state poorly or not at all.
 /// Empty when there is none.
 std::string weak_updates(const Summary& summary);
+/// Does this status mean that the update bound the state poorly or not at all?
+bool is_weak(UpdateStatus status);
 
 /// Follows a run and gathers what its summary needs.
 class SummaryCollector final : public pipeline::UpdateObserver {
@@ -84,6 +88,7 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   std::optional<TimeNs> first_begin_;
   TimeNs imu_gap_ = 0, point_gap_ = 0;
   bool refused_after_accepted_ = false;
+  TimeNs weak_ = 0, windows_ = 0;  ///< time of the fresh intervals of weak updates, and of all
 };
 
 /// What may end a run, in order of precedence.
