@@ -20,7 +20,7 @@ struct Command {
   std::function<int()> action;
 };
 
-Command add_run(CLI::App& root, std::vector<std::string> command_line);
+Command add_run(CLI::App& root, const std::vector<std::string>& command_line);
 Command add_list(CLI::App& root);
 Command add_describe(CLI::App& root);
 Command add_check(CLI::App& root);

@@ -146,7 +146,7 @@ void add_options(CLI::App& app, Arguments& a) {
 
 }  // namespace
 
-Command add_run(CLI::App& root, std::vector<std::string> command_line) {
+Command add_run(CLI::App& root, const std::vector<std::string>& command_line) {
   CLI::App* app = root.add_subcommand("run", "Runs a pipeline over a recording.");
   auto arguments = std::make_shared<Arguments>();
   add_options(*app, *arguments);

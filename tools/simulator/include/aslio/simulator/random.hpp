@@ -22,7 +22,9 @@ class RandomStream {
       has_spare_ = false;
       return spare_;
     }
-    double x, y, s;
+    double x = 0;
+    double y = 0;
+    double s = 0;
     do {
       x = uniform(-1, 1);
       y = uniform(-1, 1);
