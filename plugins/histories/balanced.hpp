@@ -1,6 +1,6 @@
 #pragma once
 /// `balanced`: old points of the window weigh together `rho` times what the fresh ones weigh, whatever their number,
-/// and match only what was in the map before the window began. (METHODS history analysis; HIS-2)
+/// and match only what was in the map before the window began. (HIS-2)
 
 #include <cstdint>
 #include <optional>

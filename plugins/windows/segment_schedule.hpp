@@ -1,5 +1,5 @@
 #pragma once
-/// From overlap to update rate: AS-LIO eqs. (7)-(8) and the echo. (WIN-1, WIN-2; METHODS sliding window.)
+/// From overlap to update rate: AS-LIO eqs. (7)-(8) and the echo. (WIN-1, WIN-2)
 
 #include <cstdint>
 #include <optional>

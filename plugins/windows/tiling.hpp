@@ -1,6 +1,6 @@
 #pragma once
 /// Arithmetic shared by all window strategies: when has the stream arrived to a wanted end, and what becomes of an
-/// interval with too few points, of a gap and of the end of the stream. (WIN-3; METHODS sliding window.)
+/// interval with too few points, of a gap and of the end of the stream. (WIN-3)
 
 #include <cstddef>
 #include <optional>

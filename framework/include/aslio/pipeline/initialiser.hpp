@@ -1,5 +1,5 @@
 #pragma once
-/// Where the first state comes from (METHODS 1.5; docs/equations.md INI-1..).
+/// Where the first state comes from (docs/equations.md INI-1..).
 
 #include <optional>
 #include <string>

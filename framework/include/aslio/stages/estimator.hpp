@@ -14,7 +14,7 @@
 
 namespace aslio {
 
-/// How the state at start was found (METHODS 1.5).
+/// How the state at start was found (docs/equations.md INI-1, INI-2).
 enum class InitialMode : std::uint8_t { static_start, dynamic_start };
 
 /// What initialisation knows: the state and one standard deviation per block.

@@ -1,5 +1,5 @@
 #pragma once
-/// Histories: what are old points of the window worth? (METHODS history analysis; docs/equations.md HIS-1..)
+/// Histories: what are old points of the window worth? (docs/equations.md HIS-1..)
 
 #include <cstdint>
 #include <span>
