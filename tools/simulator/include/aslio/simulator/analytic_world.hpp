@@ -12,7 +12,7 @@
 #include "aslio/io/source.hpp"
 #include "aslio/simulator/boxes.hpp"
 #include "aslio/simulator/imu_model.hpp"
-#include "aslio/simulator/motion.hpp"
+#include "aslio/simulator/walk.hpp"
 
 namespace aslio::simulator {
 
@@ -70,7 +70,7 @@ class AnalyticWorld {
   SensorModel sensor_;
   LidarNoise lidar_noise_;
   BoxScene scene_;
-  Motion motion_;
+  Walk motion_;
   ImuRecord imu_;
 };
 

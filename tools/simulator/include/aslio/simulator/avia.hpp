@@ -5,6 +5,7 @@
 
 #include "aslio/core/lie.hpp"
 #include "aslio/core/time.hpp"
+#include "aslio/simulator/scan_pattern.hpp"
 
 namespace aslio::simulator {
 
@@ -18,10 +19,6 @@ inline constexpr double kFovHorizontal = 70.4, kFovVertical = 77.2;  ///< [deg]
 inline constexpr double kLineSpacing = 1.4;                          ///< [deg]
 inline constexpr double kPrism1 = 763.82589, kPrism2 = -488.41294;   ///< [rad/s]: 7294 and -4664 rpm
 
-/// A beam in the LiDAR frame (x forward) and the unit vectors in which its azimuth and elevation grow.
-struct Beam {
-  Vec3 direction = Vec3::UnitX(), azimuth = Vec3::UnitY(), elevation = Vec3::UnitZ();
-};
 /// The six beams `t` seconds after the prisms stood in line, by line number.
 std::array<Beam, kLines> firing(double t);
 

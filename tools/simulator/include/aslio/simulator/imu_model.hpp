@@ -17,6 +17,10 @@ struct ImuModel {
   double initial_acc_bias = 0.196133;       ///< up to this, per axis [m/s^2] (20 mg)
   double gyro_range = 34.9;                 ///< [rad/s]
   double acc_range = 3 * kStandardGravity;  ///< [m/s^2]
+  double scale_error = 0;    ///< standard deviation of each axis' scale factor, gyro and accelerometer alike
+  double cross_axis = 0;     ///< standard deviation of each off-diagonal term of the sensitivity matrix
+  double g_sensitivity = 0;  ///< standard deviation of each term of the gyro's response to force [rad/s per m/s^2]
+  double delay = 0;          ///< a sample tells of the motion this much earlier (low-pass filter) [s]
 };
 
 /// Samples and the true biases at their times.

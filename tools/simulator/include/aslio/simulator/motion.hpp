@@ -1,13 +1,11 @@
 #pragma once
-
-#include <span>
-#include <vector>
+/// Motion of the IMU through the world, in closed form: what is simulated is exact at any time.
 
 #include "aslio/core/lie.hpp"
 
 namespace aslio::simulator {
 
-/// Pose of the IMU in the world and its derivatives, all in closed form.
+/// Pose of the IMU in the world and its derivatives.
 struct MotionState {
   Mat3 R = Mat3::Identity();  ///< R_W_I
   Vec3 p = Vec3::Zero();      ///< [m]
@@ -16,38 +14,14 @@ struct MotionState {
   Vec3 w = Vec3::Zero();      ///< angular rate in I [rad/s]
 };
 
-/// Through (x, y) at `t` with the given velocity, without acceleration or jerk there.
-struct Waypoint {
-  double t = 0, x = 0, y = 0, vx = 0, vy = 0;
-};
-/// Heading changes by `angle` within [begin, begin + duration]; peak rate 2.1875 angle / duration.
-struct Turn {
-  double begin = 0, duration = 1, angle = 0;  ///< [s], [s], [rad]
-};
-/// Steps of a walking person: vertical motion, roll and pitch. Amplitudes vanish at both ends of the walk.
-struct Gait {
-  double frequency = 1.8;  ///< steps per second [Hz]
-  double height = 0.015;   ///< amplitude at `frequency`, 30 % of it at the double [m]
-  double roll = 0.02;      ///< amplitude at half the frequency [rad]
-  double pitch = 0.015;    ///< amplitude at the frequency [rad]
-  double fade = 1;         ///< time in which the amplitudes rise and fall [s]
-};
-
-/// Three times continuously differentiable motion: septic polynomials between waypoints and for turns, plus gait.
-/// Euler angles ZYX. At rest before the first and after the last waypoint.
+/// Three times continuously differentiable. Thread-compatible: const.
 class Motion {
  public:
-  /// Waypoints in ascending time, at rest at both ends. `time_scale` slows everything but the gait's frequency.
-  Motion(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, double time_scale);
-
-  /// Motion `t` seconds after the start.
-  MotionState at(double t) const;
-
- private:
-  std::vector<Waypoint> waypoints_;
-  std::vector<Turn> turns_;
-  Gait gait_;
-  double time_scale_;
+  virtual ~Motion() = default;
+  /// State `t` seconds after the start; before the start and after the end as continued there.
+  virtual MotionState at(double t) const = 0;
+  /// [s]
+  virtual double duration() const = 0;
 };
 
 }  // namespace aslio::simulator

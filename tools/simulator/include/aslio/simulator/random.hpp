@@ -11,6 +11,9 @@ namespace aslio::simulator {
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint64_t purpose) : engine_(mixed(seed + mixed(purpose))) {}
+  /// One of many streams of a purpose, so that parts can be drawn in any order.
+  RandomStream(std::uint64_t seed, std::uint64_t purpose, std::uint64_t part)
+      : engine_(mixed(seed + mixed(purpose + mixed(part)))) {}
 
   /// [0, 1), 53 bits.
   double uniform() { return static_cast<double>(engine_() >> 11U) * 0x1p-53; }

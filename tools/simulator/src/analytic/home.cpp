@@ -69,7 +69,7 @@ std::vector<Box> solids() {
   return out;
 }
 
-Motion walk(double time_scale) {
+Walk walk(double time_scale) {
   constexpr double kDeg = std::numbers::pi / 180;
   std::vector<Waypoint> waypoints = {
       {1.0, 0, 0, 0, 0},          {3.0, 2.2, 0, 1.5, 0},     {5.0, 5.0, 0.4, 0.6, 0.7},    {7.0, 5.1, 2.8, 0, 1.4},
@@ -84,7 +84,7 @@ Motion walk(double time_scale) {
       {13.7, 0.66, 90 * kDeg},   // through the other door
       {17.0, 1.40, 90 * kDeg},   // as at the start
   };
-  return Motion(std::move(waypoints), std::move(turns), Gait{}, time_scale);
+  return Walk(std::move(waypoints), std::move(turns), Gait{}, time_scale);
 }
 
 std::vector<Box> people(double t) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "aslio/simulator/boxes.hpp"
-#include "aslio/simulator/motion.hpp"
+#include "aslio/simulator/walk.hpp"
 
 namespace aslio::simulator::home {
 
@@ -15,7 +15,7 @@ inline constexpr double kDuration = 20;
 std::vector<Box> solids();
 /// Once round through both doors, with three sharp turns and a look into the second room; stands still for the first
 /// and the last second.
-Motion walk(double time_scale);
+Walk walk(double time_scale);
 /// Two people, `t` seconds after the start.
 std::vector<Box> people(double t);
 

@@ -1,4 +1,4 @@
-#include "aslio/simulator/motion.hpp"
+#include "aslio/simulator/walk.hpp"
 
 #include <algorithm>
 #include <array>
@@ -62,10 +62,12 @@ void set_attitude(const Jet& yaw, const Jet& pitch, const Jet& roll, MotionState
 
 }  // namespace
 
-Motion::Motion(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, double time_scale)
+Walk::Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, double time_scale)
     : waypoints_(std::move(waypoints)), turns_(std::move(turns)), gait_(gait), time_scale_(time_scale) {}
 
-MotionState Motion::at(double t) const {
+double Walk::duration() const { return waypoints_.back().t * time_scale_; }
+
+MotionState Walk::at(double t) const {
   const double begin = waypoints_.front().t, end = waypoints_.back().t;
   Jet slow{t / time_scale_, 1 / time_scale_, 0};
   Jet x, y, yaw;

@@ -1,0 +1,42 @@
+#pragma once
+/// What a ray meets first: triangles by Embree, moving people in closed form.
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "aslio/simulator/mesh.hpp"
+
+namespace aslio::simulator {
+
+struct SurfaceHit {
+  double range = std::numeric_limits<double>::infinity();  ///< [m]; infinite: nothing was hit
+  double cos_incidence = 0;                                ///< between ray and surface normal, in [0, 1]
+  double reflectivity = 0;                                 ///< in [0, 1]
+  bool moving = false;                                     ///< a person
+};
+
+/// Embree scene over a mesh. Thread-safe after construction.
+class Caster {
+ public:
+  /// Throws ConfigError for a mesh without triangles, DataError when Embree reports an error (out of memory).
+  explicit Caster(Mesh mesh);
+  ~Caster();
+  Caster(const Caster&) = delete;
+  Caster& operator=(const Caster&) = delete;
+
+  /// Nearest surface within `max_range` along each unit vector of `directions`, all from `origin`. Which triangle is
+  /// hit is Embree's decision (single precision); range and incidence are computed from its plane in double precision.
+  void cast(const Vec3& origin, std::span<const Vec3> directions, double max_range, std::span<SurfaceHit> hits) const;
+  SurfaceHit cast(const Vec3& origin, const Vec3& direction, double max_range) const;
+
+  const Mesh& mesh() const { return mesh_; }
+
+ private:
+  struct Impl;
+  Mesh mesh_;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace aslio::simulator

@@ -1,0 +1,68 @@
+#pragma once
+/// From what a ray met to what a LiDAR reports of it.
+
+#include <cstdint>
+#include <optional>
+
+#include "aslio/simulator/caster.hpp"
+#include "aslio/simulator/random.hpp"
+#include "aslio/simulator/scan_pattern.hpp"
+
+namespace aslio::config {
+class Binder;
+}
+
+namespace aslio::simulator {
+
+/// `lidar:` of a scene file. Absent values are those of the sensor.
+struct LidarParams {
+  bool noise = true;  ///< false: exact ranges and directions, no random losses or outliers (what cannot return is lost)
+  std::optional<double> range_noise, angle_noise;  ///< standard deviations [m], [deg]
+  std::optional<double> min_range, max_range;      ///< [m]
+  double dropout = 0.02;                           ///< share of pulses lost at random
+  double outliers = 0.001;                         ///< share of returns at a random range
+  double mixed = 0.1;                              ///< share of pulses whose footprint is followed to a second surface
+  double grazing_begin = 70, grazing_end = 80;     ///< incidence from which returns begin to be lost, and all are [deg]
+  double weak_range = 90;  ///< a surface of reflectivity 0.1 returns up to here [m]; grows with its square root
+  static void describe(config::Binder& b, LidarParams& params);
+};
+
+/// One report of the sensor.
+struct Return {
+  double range = 0;            ///< [m], along the nominal beam
+  std::uint8_t intensity = 0;  ///< 0..255: reflectivity times cosine of incidence
+  std::uint8_t tag = 0x10;     ///< Livox: single return
+};
+
+/// Errors drawn for a pulse before it is cast: where it really goes. A fixed number of draws per stream and beam, so
+/// that the streams do not depend on what is hit.
+struct Pulse {
+  Vec3 direction = Vec3::UnitX();  ///< in L, unit
+  bool lost = false;
+  bool mixed = false;           ///< cast `second`, too
+  Vec3 second = Vec3::UnitX();  ///< another direction within the footprint, unit
+  double range_error = 0;       ///< [m]
+  double keep = 0;              ///< uniform draw against losses by range and incidence
+  double outlier_range = -1;    ///< [m]; negative: none
+  double mix = 0.5;             ///< weight of the second surface
+};
+
+/// One for each packet: its streams depend on (seed, packet) alone, so packets can be simulated in any order.
+class ReturnModel {
+ public:
+  ReturnModel(const LidarParams& params, const SensorFacts& sensor, std::uint64_t seed, std::uint64_t packet);
+
+  Pulse emit(const Beam& beam);
+  /// Nothing when the pulse does not come back. `second` is what Pulse::second met (pulses that are mixed).
+  std::optional<Return> receive(const Pulse& pulse, const SurfaceHit& hit, const SurfaceHit& second) const;
+
+  double min_range() const { return min_range_; }
+  double max_range() const { return max_range_; }
+
+ private:
+  LidarParams params_;
+  double range_noise_, angle_noise_, min_range_, max_range_, divergence_, cos_grazing_begin_, cos_grazing_end_;
+  RandomStream range_, angle_, loss_, outlier_, mixed_;
+};
+
+}  // namespace aslio::simulator

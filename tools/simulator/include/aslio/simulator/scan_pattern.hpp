@@ -1,0 +1,49 @@
+#pragma once
+/// When and where to a LiDAR fires.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "aslio/core/lie.hpp"
+#include "aslio/core/time.hpp"
+
+namespace aslio::simulator {
+
+/// A beam in the LiDAR frame (x forward, z up) and the unit vectors in which its azimuth and elevation grow.
+struct Beam {
+  Vec3 direction = Vec3::UnitX(), azimuth = Vec3::UnitY(), elevation = Vec3::UnitZ();
+};
+
+enum class SensorKind : std::uint8_t { avia, mid360, spin16, spin32, spin64 };
+enum class LidarMessage : std::uint8_t { livox_custom, point_cloud2 };
+
+/// Beams leave in firings of equal size and period; the beams of a firing share its time.
+class ScanPattern {
+ public:
+  virtual ~ScanPattern() = default;
+  virtual std::size_t beams_per_firing()
+      const = 0;                             ///< beam index = scan line, from the lowest elevation for spinning ones
+  virtual TimeNs firing_period() const = 0;  ///< [ns]; divides 0.1 s
+  virtual LidarMessage message() const = 0;
+  /// The beams of the firing `since` nanoseconds after the start; `out` has beams_per_firing() elements.
+  virtual void fire(TimeNs since, std::span<Beam> out) const = 0;
+};
+
+std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind);
+
+/// What belongs to a sensor besides its pattern.
+struct SensorFacts {
+  std::string_view name;                    ///< as in scene files and `--sensor`
+  Vec3 p_imu_lidar = Vec3::Zero();          ///< origin of L in I [m]; R = identity
+  double min_range = 0.5, max_range = 100;  ///< [m]
+  double range_noise = 0.02;                ///< standard deviation [m]
+  double angle_noise = 4.363e-4;            ///< standard deviation per axis [rad]
+  double beam_divergence = 1e-3;            ///< full angle [rad]: mixed pixels
+  std::string_view lidar_topic, imu_topic, frame_id;
+};
+const SensorFacts& facts(SensorKind kind);
+
+}  // namespace aslio::simulator

@@ -1,0 +1,85 @@
+#pragma once
+/// A scene file (`schema: aslio/scene/1`): world, motion, people, sensors and their errors.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aslio/simulator/imu_params.hpp"
+#include "aslio/simulator/mesh_file.hpp"
+#include "aslio/simulator/people.hpp"
+#include "aslio/simulator/pose_spline.hpp"
+#include "aslio/simulator/return_model.hpp"
+#include "aslio/simulator/route_walk.hpp"
+#include "aslio/simulator/worlds/approach.hpp"
+#include "aslio/simulator/worlds/campus.hpp"
+#include "aslio/simulator/worlds/doorway.hpp"
+#include "aslio/simulator/worlds/garage.hpp"
+#include "aslio/simulator/worlds/library.hpp"
+#include "aslio/simulator/worlds/office.hpp"
+
+namespace aslio::simulator {
+
+enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, mesh };
+
+/// `world:` has `type` and the keys of that type.
+struct WorldParams {
+  WorldKind type = WorldKind::office;
+  OfficeParams office;
+  GarageParams garage;
+  LibraryParams library;
+  CampusParams campus;
+  ApproachParams approach;
+  DoorwayParams doorway;
+  MeshFileParams mesh;
+  static void describe(config::Binder& b, WorldParams& params);
+};
+
+/// One corner of the route; a list of [x, y] would lose its units.
+struct RoutePoint {
+  double x = 0, y = 0;  ///< [m]
+  static void describe(config::Binder& b, RoutePoint& point);
+};
+
+/// What a stress study adds. All off by default.
+struct StressParams {
+  double clock_offset = 0;      ///< added to the stamps of the IMU [ms]
+  double stamp_jitter = 0;      ///< standard deviation of the IMU stamps [us]; order is kept
+  double packet_loss = 0;       ///< share of LiDAR messages lost
+  double imu_loss = 0;          ///< share of IMU samples lost
+  double extrinsic_angle = 0;   ///< the sensor file is wrong by this much about a random axis [deg]
+  double extrinsic_offset = 0;  ///< and by this much in a random direction [m]
+  static void describe(config::Binder& b, StressParams& params);
+};
+
+/// Exactly one of `route` with `walk`, or `follow`.
+struct Scene {
+  std::string description;
+  SensorKind sensor = SensorKind::avia;
+  WorldParams world;
+  std::vector<RoutePoint> route;
+  WalkParams walk;
+  FollowParams follow;
+  PeopleParams people;
+  LidarParams lidar;
+  ImuParams imu;
+  StressParams stress;
+  static void describe(config::Binder& b, Scene& scene);
+};
+
+/// The values and, for messages and relative paths, where they came from.
+struct SceneFile {
+  Scene scene;
+  std::filesystem::path path;
+  std::string resolved;  ///< YAML with every key at its effective value
+};
+
+/// Throws ConfigError with every problem of the file, each with its line.
+SceneFile load_scene(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+
+/// "avia", "mid360", ...
+std::optional<SensorKind> sensor_kind(std::string_view name);
+
+}  // namespace aslio::simulator

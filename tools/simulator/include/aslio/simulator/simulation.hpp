@@ -1,0 +1,93 @@
+#pragma once
+/// A scene brought to life: everything that happens is known at any time.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "aslio/core/measurement.hpp"
+#include "aslio/core/sensor.hpp"
+#include "aslio/core/trajectory.hpp"
+#include "aslio/simulator/caster.hpp"
+#include "aslio/simulator/scene.hpp"
+
+namespace aslio::simulator {
+
+struct SimulationOptions {
+  std::uint64_t seed = 1;                  ///< noise, biases, people, turn times and gait; the world has its own
+  std::optional<SensorKind> sensor;        ///< instead of the scene's
+  double scale = 1;                        ///< positions of route and world; in [0.1, 10]
+  TimeNs begin = 1'700'000'000 * kSecond;  ///< data time of the first measurement
+};
+
+/// Rays of 10 ms and the cells (edge 0.2 m, keys as in cell_key()) that those on the static world hit, before any noise
+/// or loss, in the order of the beams.
+struct CellBlock {
+  TimeNs begin = 0;
+  std::vector<std::uint64_t> cells;
+};
+
+/// What one packet period holds. `people_rays` counts rays that met a person (in no CellBlock).
+struct SimulatedPacket {
+  LidarPacket packet;  ///< points in time order
+  std::vector<CellBlock> blocks;
+  std::size_t rays = 0, people_rays = 0;
+};
+
+/// Edge of the cells of true overlap [m] (METHODS: 0.2 m voxels).
+inline constexpr double kOverlapCell = 0.2;
+/// Cell of a point, 21 bits per axis.
+std::uint64_t cell_key(const Vec3& p_W);
+
+/// Thread-safe: const after construction.
+class Simulation {
+ public:
+  static constexpr TimeNs kPacketPeriod = kSecond / 10;
+
+  /// Builds world, motion, people and the IMU record. Throws ConfigError or DataError that names the file and the key.
+  Simulation(const SceneFile& scene, const SimulationOptions& options);
+  ~Simulation();
+
+  const SimulationOptions& options() const { return options_; }
+  const Scene& scene() const { return scene_; }
+  SensorKind sensor_kind() const { return kind_; }
+  /// True extrinsic and ranges; what the recording claims (stress) is claimed_sensor().
+  const SensorModel& sensor() const { return sensor_; }
+  const SensorModel& claimed_sensor() const { return claimed_sensor_; }
+  const Motion& motion() const { return *motion_; }
+  const Caster& caster() const { return *caster_; }
+  const Ground& ground() const { return ground_; }
+  const People& people() const { return people_; }
+  /// Only for scenes with a route.
+  const Route* route() const { return route_.get(); }
+  const ScanPattern& pattern() const { return *pattern_; }
+  double duration() const { return motion_->duration(); }  ///< [s]
+  TimeNs begin_time() const { return options_.begin; }
+  TimeNs end_time() const;
+
+  /// The IMU samples as recorded (true times; stress on stamps and losses is applied by the recorder) and true biases.
+  const ImuRecord& imu() const { return imu_; }
+  /// True poses T_W_I at 200 Hz, both ends included.
+  Trajectory truth() const;
+
+  /// Packets [0, packet_count()) of kPacketPeriod each, the last may be shorter.
+  std::size_t packet_count() const;
+  /// Casts every ray at the true pose at its own time. Any packet, in any order, from any thread.
+  SimulatedPacket packet(std::size_t index) const;
+
+ private:
+  Scene scene_;
+  SimulationOptions options_;
+  SensorKind kind_;
+  SensorModel sensor_, claimed_sensor_;
+  std::unique_ptr<Route> route_;
+  std::unique_ptr<Motion> motion_;
+  std::unique_ptr<Caster> caster_;
+  Ground ground_;
+  People people_;
+  std::unique_ptr<ScanPattern> pattern_;
+  ImuRecord imu_;
+};
+
+}  // namespace aslio::simulator

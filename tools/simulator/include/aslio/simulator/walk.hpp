@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "aslio/simulator/ground.hpp"
+#include "aslio/simulator/motion.hpp"
+
+namespace aslio::simulator {
+
+/// Through (x, y) at `t` with the given velocity, without acceleration or jerk there.
+struct Waypoint {
+  double t = 0, x = 0, y = 0, vx = 0, vy = 0;
+};
+/// Heading changes by `angle` within [begin, begin + duration]; peak rate 2.1875 angle / duration.
+struct Turn {
+  double begin = 0, duration = 1, angle = 0;  ///< [s], [s], [rad]
+};
+/// Steps of a walking person: vertical motion, roll and pitch. Amplitudes vanish at both ends of the walk.
+struct Gait {
+  double frequency = 1.8;  ///< steps per second [Hz]
+  double height = 0.015;   ///< amplitude at `frequency`, 30 % of it at the double [m]
+  double roll = 0.02;      ///< amplitude at half the frequency [rad]
+  double pitch = 0.015;    ///< amplitude at the frequency [rad]
+  double fade = 1;         ///< time in which the amplitudes rise and fall [s]
+};
+
+/// Three times continuously differentiable motion: septic polynomials between waypoints and for turns, plus gait.
+/// Euler angles ZYX. At rest before the first and after the last waypoint.
+class Walk final : public Motion {
+ public:
+  /// Waypoints in ascending time, at rest at both ends. `time_scale` slows everything but the gait's frequency.
+  Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, double time_scale);
+
+  /// Motion `t` seconds after the start.
+  MotionState at(double t) const override;
+  double duration() const override;
+
+ private:
+  std::vector<Waypoint> waypoints_;
+  std::vector<Turn> turns_;
+  Gait gait_;
+  double time_scale_;
+};
+
+}  // namespace aslio::simulator
