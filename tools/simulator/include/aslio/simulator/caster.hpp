@@ -26,8 +26,10 @@ class Caster {
   Caster(const Caster&) = delete;
   Caster& operator=(const Caster&) = delete;
 
-  /// Nearest surface within `max_range` along each unit vector of `directions`, all from `origin`. Which triangle is
-  /// hit is Embree's decision (single precision); range and incidence are computed from its plane in double precision.
+  /// Nearest surface within `max_range` along each unit vector of `directions`, all from `origin` and at best not far
+  /// apart (they are cast in packets of 8). Which triangle is hit is Embree's decision (single precision; of two that
+  /// meet in an edge or lie in one plane it may be either); range and incidence are computed from its plane in double
+  /// precision. Surfaces nearer than 0.1 mm are not seen.
   void cast(const Vec3& origin, std::span<const Vec3> directions, double max_range, std::span<SurfaceHit> hits) const;
   SurfaceHit cast(const Vec3& origin, const Vec3& direction, double max_range) const;
 
@@ -35,6 +37,9 @@ class Caster {
 
  private:
   struct Impl;
+  SurfaceHit resolved(std::uint32_t geometry, std::uint32_t triangle, const Vec3& origin, const Vec3& direction,
+                      double max_range) const;
+
   Mesh mesh_;
   std::unique_ptr<Impl> impl_;
 };
