@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "aslio/simulator/random.hpp"
 #include "purposes.hpp"
 
 namespace aslio::simulator {
@@ -20,38 +19,88 @@ Vec3 uniform3(RandomStream& random, double bound) {
 
 Vec3 clipped(const Vec3& v, double range) { return v.cwiseMax(-range).cwiseMin(range); }
 
+/// Terms on and off the diagonal, uniform up to their bounds.
+Mat3 uniform_matrix(RandomStream& random, double diagonal, double off_diagonal) {
+  Mat3 m;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      m(row, column) = (row == column ? diagonal : off_diagonal) * random.uniform(-1, 1);
+  }
+  return m;
+}
+
+ImuCalibration calibration_of(const ImuModel& model, std::uint64_t seed) {
+  RandomStream random(seed, purpose::kImuCalibration);
+  ImuCalibration c;
+  c.gyro_sensitivity += uniform_matrix(random, model.scale_error, model.cross_axis);
+  c.acc_sensitivity += uniform_matrix(random, model.scale_error, model.cross_axis);
+  c.g_sensitivity = uniform_matrix(random, model.g_sensitivity, model.g_sensitivity);
+  return c;
+}
+
 }  // namespace
+
+ImuSimulator::ImuSimulator(const Motion& motion, TimeNs begin, const ImuModel& model, std::uint64_t seed)
+    : motion_(motion),
+      begin_(begin),
+      model_(model),
+      calibration_(calibration_of(model, seed)),
+      walk_(seed, purpose::kBiasWalk),
+      gyro_noise_(seed, purpose::kGyroNoise),
+      acc_noise_(seed, purpose::kAccNoise) {
+  RandomStream initial(seed, purpose::kInitialBias);
+  gyro_bias_ = uniform3(initial, model.initial_gyro_bias);
+  acc_bias_ = uniform3(initial, model.initial_acc_bias);
+}
+
+ImuSimulator::Output ImuSimulator::next() {
+  const Vec3 gravity(0, 0, -kStandardGravity);
+  const double root_rate = std::sqrt(model_.rate);
+  const TimeNs since = to_ns(static_cast<double>(count_++) / model_.rate);
+  const MotionState m = motion_.at(to_seconds(since) - model_.delay);
+  const Vec3 force = m.R.transpose() * (m.a - gravity);
+
+  Output out{{begin_ + since, Vec3::Zero(), Vec3::Zero()}, gyro_bias_, acc_bias_};
+  ImuSample& sample = out.sample;
+  sample.gyro = calibration_.gyro_sensitivity * m.w + calibration_.g_sensitivity * force + gyro_bias_;
+  sample.acc = calibration_.acc_sensitivity * force + acc_bias_;
+  // Drawn with densities of zero, too: both walks share a stream.
+  sample.gyro += model_.gyro_noise * root_rate * normal3(gyro_noise_);
+  sample.acc += model_.acc_noise * root_rate * normal3(acc_noise_);
+  sample.gyro = clipped(sample.gyro, model_.gyro_range);
+  sample.acc = clipped(sample.acc, model_.acc_range);
+
+  gyro_bias_ += model_.gyro_bias_walk / root_rate * normal3(walk_);
+  acc_bias_ += model_.acc_bias_walk / root_rate * normal3(walk_);
+  return out;
+}
+
+ImuRecord simulate_imu(const Motion& motion, TimeNs begin, double duration, const ImuModel& model, std::uint64_t seed) {
+  const auto count = static_cast<std::size_t>(std::floor(duration * model.rate + 1e-6)) + 1;
+  ImuSimulator imu(motion, begin, model, seed);
+  ImuRecord record;
+  record.samples.reserve(count);
+  record.gyro_bias.reserve(count);
+  record.acc_bias.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const ImuSimulator::Output out = imu.next();
+    record.samples.push_back(out.sample);
+    record.gyro_bias.push_back(out.gyro_bias);
+    record.acc_bias.push_back(out.acc_bias);
+  }
+  return record;
+}
 
 ImuRecord simulate_imu(const Motion& motion, TimeNs begin, double duration, const ImuModel& model,
                        const SensorModel& sensor, bool noise, std::uint64_t seed) {
-  RandomStream initial(seed, purpose::kInitialBias), walk(seed, purpose::kBiasWalk);
-  RandomStream gyro_noise(seed, purpose::kGyroNoise), acc_noise(seed, purpose::kAccNoise);
-  const Vec3 gravity(0, 0, -kStandardGravity);
-  const double root_rate = std::sqrt(model.rate);
-  Vec3 gyro_bias = Vec3::Zero(), acc_bias = Vec3::Zero();
-  if (noise) {
-    gyro_bias = uniform3(initial, model.initial_gyro_bias);
-    acc_bias = uniform3(initial, model.initial_acc_bias);
-  }
-  ImuRecord record;
-  const auto count = static_cast<std::int64_t>(std::floor(duration * model.rate + 1e-6)) + 1;
-  for (std::int64_t k = 0; k < count; ++k) {
-    const TimeNs since = to_ns(static_cast<double>(k) / model.rate);
-    const MotionState m = motion.at(to_seconds(since));
-    ImuSample sample{begin + since, m.w + gyro_bias, m.R.transpose() * (m.a - gravity) + acc_bias};
-    record.gyro_bias.push_back(gyro_bias);
-    record.acc_bias.push_back(acc_bias);
-    if (noise) {
-      sample.gyro += sensor.gyro_noise * root_rate * normal3(gyro_noise);
-      sample.acc += sensor.acc_noise * root_rate * normal3(acc_noise);
-      gyro_bias += sensor.gyro_bias_walk / root_rate * normal3(walk);
-      acc_bias += sensor.acc_bias_walk / root_rate * normal3(walk);
-    }
-    sample.gyro = clipped(sample.gyro, model.gyro_range);
-    sample.acc = clipped(sample.acc, model.acc_range);
-    record.samples.push_back(sample);
-  }
-  return record;
+  ImuModel full = model;
+  full.gyro_noise = noise ? sensor.gyro_noise : 0;
+  full.acc_noise = noise ? sensor.acc_noise : 0;
+  full.gyro_bias_walk = noise ? sensor.gyro_bias_walk : 0;
+  full.acc_bias_walk = noise ? sensor.acc_bias_walk : 0;
+  full.initial_gyro_bias = noise ? model.initial_gyro_bias : 0;
+  full.initial_acc_bias = noise ? model.initial_acc_bias : 0;
+  return simulate_imu(motion, begin, duration, full, seed);
 }
 
 }  // namespace aslio::simulator

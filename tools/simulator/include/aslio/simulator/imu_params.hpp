@@ -14,23 +14,24 @@ namespace aslio::simulator {
 
 enum class ImuPreset : std::uint8_t {
   perfect,    ///< exact derivatives, nothing else
-  ideal,      ///< white noise, biases and their walk; perfectly calibrated
+  ideal,      ///< white noise, biases and their walk, clipped; perfectly calibrated
   datasheet,  ///< `ideal` with the imperfections of a BMI088: scale, cross-axis, g-sensitivity, filter delay
 };
 
-/// `imu:` of a scene file. Absent values are those of the preset.
+/// `imu:` of a scene file. Absent values are those of the preset. What a sensor has from birth (biases, scale factors,
+/// cross-axis terms, g-sensitivity) is drawn from the seed, uniformly up to the given value: the data sheet's typical
+/// limits are taken as bounds.
 struct ImuParams {
   ImuPreset preset = ImuPreset::datasheet;
   double rate = 200;                                    ///< [Hz]
   std::optional<double> gyro_noise, acc_noise;          ///< densities [rad/s/sqrt(Hz)], [m/s^2/sqrt(Hz)]
-  std::optional<double> gyro_bias, acc_bias;            ///< initial, uniform up to this per axis [deg/s], [mg]
+  std::optional<double> gyro_bias, acc_bias;            ///< initial, up to this per axis [deg/s], [mg]
   std::optional<double> gyro_bias_walk, acc_bias_walk;  ///< [rad/s^2/sqrt(Hz)], [m/s^3/sqrt(Hz)]
-  std::optional<double> scale_error;                    ///< standard deviation per axis, both sensors [%]
-  std::optional<double> cross_axis;                     ///< standard deviation of each off-diagonal term [%]
-  std::optional<double> g_sensitivity;                  ///< standard deviation of each term [deg/s per g]
-  std::optional<double> delay;  ///< of the low-pass filter: a sample tells of this much earlier [ms]
-  double gyro_range = 2000;     ///< [deg/s]
-  double acc_range = 3;         ///< [g]
+  std::optional<double> scale_error;                    ///< up to this per axis, both sensors [%]
+  std::optional<double> cross_axis;                     ///< up to this for each off-diagonal term, both sensors [%]
+  std::optional<double> g_sensitivity;                  ///< up to this for each term [deg/s per g]
+  std::optional<double> delay;                  ///< of the low-pass filter: a sample tells of this much earlier [ms]
+  std::optional<double> gyro_range, acc_range;  ///< where samples are clipped [deg/s], [g]
   static void describe(config::Binder& b, ImuParams& params);
 };
 
