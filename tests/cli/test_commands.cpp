@@ -45,25 +45,6 @@ TEST_CASE("check tells everything that is wrong with every file") {
   CHECK(run_aslio({"check", folder / "missing.yaml"}).code == 2);
 }
 
-TEST_CASE("describe gives every parameter with its default, unit and meaning") {
-  const Ended ended = run_aslio({"describe", "windows/fixed"});
-  CHECK(ended.code == 0);
-  CHECK_THAT(ended.out, Contains("period") && Contains("0.1") && Contains("time between updates"));
-  const Ended wrong = run_aslio({"describe", "windows/fixd"});
-  CHECK(wrong.code == 2);
-  CHECK_THAT(wrong.err, Contains("fixd") && Contains("fixed"));
-}
-
-TEST_CASE("describe explains the keys of files") {
-  const Ended pipeline = run_aslio({"describe", "pipeline"});
-  CHECK(pipeline.code == 0);
-  CHECK_THAT(pipeline.out, Contains("schema: aslio/pipeline/1") && Contains("max_speed: number") &&
-                               Contains("default 30") && Contains("windows: ") && Contains("sod_adaptive"));
-  const Ended sensor = run_aslio({"describe", "sensor"});
-  CHECK(sensor.code == 0);
-  CHECK_THAT(sensor.out, Contains("schema: aslio/sensor/1") && Contains("acc_unit: ") && Contains("T_imu_lidar"));
-}
-
 TEST_CASE("diff tells what differs in meaning, not in spelling") {
   const TemporaryFolder folder;
   write_text(folder / "a.yaml", pipeline_text());

@@ -33,11 +33,14 @@ int check(const Arguments& a) {
 }  // namespace
 
 Command add_check(CLI::App& root) {
-  CLI::App* app = root.add_subcommand("check", "Checks pipeline and sensor files and tells everything that is wrong.");
+  CLI::App* app =
+      root.add_subcommand("check", "Checks pipeline, sensor, dataset and scene files and tells all that is wrong.");
   auto arguments = std::make_shared<Arguments>();
   app->add_option("FILE", arguments->files, "files to check")->required();
   add_plugin_option(*app, arguments->plugins);
-  app->footer("Example:\n  aslio check configs/pipelines/as_lio.yaml configs/sensors/livox_avia.yaml");
+  app->footer(
+      "Example:\n  aslio check configs/pipelines/as_lio.yaml configs/sensors/livox_avia.yaml "
+      "configs/scenes/quickstart.yaml");
   return {app, [=] { return check(*arguments); }};
 }
 

@@ -1,11 +1,16 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
+#include <utility>
 
 #include "aslio/config/description.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/experiment/dataset.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
+#include "aslio/simulator/scene.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "stages.hpp"
@@ -15,61 +20,94 @@ namespace aslio::cli {
 namespace {
 
 struct Arguments {
-  std::string stage;
+  std::string what;
   std::vector<std::string> plugins;
   bool markdown = false;
 };
 
-std::string facts(const config::Field& field) {
-  std::string text = field.type;
-  if (!field.range.empty()) {
-    text += ", " + field.range;
-  } else if (!field.unit.empty()) {
-    text += " [" + field.unit + "]";
-  }
-  if (field.default_value == "required") return text + ", required";
-  return field.default_value.empty() ? text : text + ", default " + field.default_value;
+/// Keys with a heading; that of the first part is the file.
+struct Part {
+  std::string heading;
+  config::Description keys;
+};
+
+template <class Config>
+std::vector<Part> parts_of() {
+  return {{"", config::describe([](config::Binder& binder) {
+             Config defaults;
+             Config::describe(binder, defaults);
+           })}};
 }
 
-/// The keys of a whole file.
-template <class Config>
-std::string describe_file(const plugin::Catalog& catalog, std::string_view kind) {
-  const auto description = config::describe([](config::Binder& binder) {
-    Config defaults;
-    Config::describe(binder, defaults);
-  });
-  std::string text = fmt::format("{} file, begins with `schema: aslio/{}/1`\n", kind, kind);
-  for (const config::Field& field : description.fields) {
-    text += fmt::format("\n  {}: {}\n      {}\n", field.path, facts(field), field.doc);
-    if (!field.family.empty()) {
-      text += fmt::format("      {}: {}\n", field.family, fmt::join(catalog.types(field.family), ", "));
+/// The keys of `world` depend on its type: those of each are a part of their own.
+std::vector<Part> scene_parts() {
+  using simulator::WorldKind;
+  std::vector<Part> parts = parts_of<simulator::Scene>();
+  auto& all = parts.front().keys.fields;
+  const auto depends_on_type = [](const config::Field& field) {
+    return field.path.starts_with("world.") && field.path != "world.type";
+  };
+  all.erase(std::remove_if(all.begin(), all.end(), depends_on_type), all.end());
+  for (const WorldKind kind : {WorldKind::office, WorldKind::garage, WorldKind::library, WorldKind::campus,
+                               WorldKind::approach, WorldKind::doorway, WorldKind::mesh}) {
+    config::Description world = config::describe([kind](config::Binder& binder) {
+      simulator::WorldParams params;
+      params.type = kind;
+      binder.group("world", params, "");
+    });
+    std::string type;
+    for (const config::Field& field : world.fields) {
+      if (field.path == "world.type") type = field.default_value;
     }
+    std::erase_if(world.fields, [&](const config::Field& field) { return !depends_on_type(field); });
+    parts.push_back({fmt::format("world of type {}", type), std::move(world)});
   }
-  for (const config::RemovedKey& key : description.removed) {
-    text += fmt::format("\n  {}: removed, {}\n", key.path, key.advice);
+  return parts;
+}
+
+struct File {
+  std::string_view kind;
+  std::vector<Part> (*parts)();
+};
+constexpr std::array<File, 4> kFiles = {{{"pipeline", parts_of<pipeline::PipelineConfig>},
+                                         {"sensor", parts_of<io::SensorConfig>},
+                                         {"dataset", parts_of<experiment::DatasetConfig>},
+                                         {"scene", scene_parts}}};
+
+std::string describe_file(const plugin::Catalog& catalog, const File& file, bool markdown) {
+  std::string text = markdown
+                         ? fmt::format(
+                               "# {} file\n\nBegins with `schema: aslio/{}/1`. Every key may be left out unless its "
+                               "default or its meaning says `required`.\n\n",
+                               file.kind, file.kind)
+                         : fmt::format("{} file, begins with `schema: aslio/{}/1`\n", file.kind, file.kind);
+  for (const Part& part : file.parts()) {
+    if (!part.heading.empty()) text += markdown ? fmt::format("## {}\n\n", part.heading) : "\n" + part.heading + "\n";
+    text += markdown ? config::to_markdown(part.keys) : config::to_text(part.keys, catalog);
   }
+  while (text.ends_with("\n\n")) text.pop_back();
   return text;
 }
 
 int describe(const Arguments& a) {
   const Stages stages = load_stages(a.plugins);
-  if (!a.markdown && (a.stage == "pipeline" || a.stage == "sensor")) {
-    print(a.stage == "sensor" ? describe_file<io::SensorConfig>(stages.catalog, a.stage)
-                              : describe_file<pipeline::PipelineConfig>(stages.catalog, a.stage));
+  const auto file = std::find_if(kFiles.begin(), kFiles.end(), [&](const File& f) { return f.kind == a.what; });
+  if (file != kFiles.end()) {
+    print(describe_file(stages.catalog, *file, a.markdown));
     return kSuccess;
   }
-  if (a.markdown && a.stage.empty()) {
+  if (a.markdown && a.what.empty()) {
     print(config::plugin_reference(stages.catalog));
     return kSuccess;
   }
-  const std::size_t slash = a.stage.find('/');
+  const std::size_t slash = a.what.find('/');
   if (a.markdown || slash == std::string::npos) {
     throw ConfigError(
         fmt::format("name a stage as FAMILY/TYPE (for example windows/fixed; `aslio list` tells them), a file as "
-                    "'pipeline' or 'sensor', or --markdown for all stages, not '{}'",
-                    a.stage));
+                    "'pipeline', 'sensor', 'dataset' or 'scene', or --markdown for all stages, not '{}'",
+                    a.what));
   }
-  print(config::describe_stage(stages.catalog, a.stage.substr(0, slash), a.stage.substr(slash + 1)));
+  print(config::describe_stage(stages.catalog, a.what.substr(0, slash), a.what.substr(slash + 1)));
   return kSuccess;
 }
 
@@ -79,10 +117,10 @@ Command add_describe(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "describe", "Tells the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
   auto arguments = std::make_shared<Arguments>();
-  app->add_option("FAMILY/TYPE", arguments->stage, "the stage, or the file: pipeline, sensor");
-  app->add_flag("--markdown", arguments->markdown, "all stages, as a page of Markdown");
+  app->add_option("FAMILY/TYPE", arguments->what, "the stage, or the file: pipeline, sensor, dataset, scene");
+  app->add_flag("--markdown", arguments->markdown, "as Markdown: the keys of a file, or of all stages");
   add_plugin_option(*app, arguments->plugins);
-  app->footer("Example:\n  aslio describe windows/sod_adaptive\n  aslio describe sensor");
+  app->footer("Example:\n  aslio describe windows/sod_adaptive\n  aslio describe scene");
   return {app, [=] { return describe(*arguments); }};
 }
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/experiment/dataset.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
+#include "aslio/simulator/scene.hpp"
 
 namespace aslio::cli {
 
@@ -15,9 +17,15 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
       return {kind, config::load<pipeline::PipelineConfig>(file, kind, stages).resolved};
     case config::FileKind::sensor:
       return {kind, config::load<io::SensorConfig>(file, kind, stages).resolved};
+    case config::FileKind::dataset:
+      return {kind, experiment::load_dataset(file).resolved};
+    case config::FileKind::scene:
+      return {kind, simulator::load_scene(file).resolved};
     default:
-      throw ConfigError(fmt::format("{}: this version cannot read a {} file; it reads pipeline and sensor files",
-                                    file.string(), config::name(kind)));
+      throw ConfigError(
+          fmt::format("{}: this version cannot read a {} file; it reads pipeline, sensor, dataset and scene "
+                      "files",
+                      file.string(), config::name(kind)));
   }
 }
 

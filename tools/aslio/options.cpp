@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <system_error>
+#include <utility>
 
 #include "console.hpp"
 
@@ -52,6 +53,14 @@ std::string check_whole(const std::string& text, std::uint64_t min, std::uint64_
   return {};
 }
 
+std::string check_number(const std::string& text, double min, double max) {
+  double value = 0;
+  const std::errc error = parse(text, value);
+  if (error == std::errc::invalid_argument) return fmt::format("'{}' is not a number", printable(text));
+  if (error == std::errc() && value >= min && value <= max) return {};
+  return fmt::format("'{}' is out of range; give a number from {:g} to {:g}", text, min, max);
+}
+
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -71,6 +80,20 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 CLI::Validator seconds(bool positive) {
   return {[positive](std::string& text) { return check_seconds(text, positive); }, ""};
+}
+
+CLI::Validator number(double min, double max) {
+  return {[min, max](std::string& text) { return check_number(text, min, max); }, ""};
+}
+
+CLI::Validator one_of(std::string_view what, std::vector<std::string> names) {
+  return {[what = std::string(what), names = std::move(names)](std::string& text) {
+            if (std::find(names.begin(), names.end(), text) != names.end()) return std::string();
+            const std::string near = nearest_name(text, names);
+            return fmt::format("unknown {} '{}'{}; there are: {}", what, printable(text),
+                               near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near), fmt::join(names, ", "));
+          },
+          ""};
 }
 
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max) {

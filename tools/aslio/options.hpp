@@ -10,6 +10,10 @@ namespace aslio::cli {
 
 /// A finite number of seconds of at most 1e9; `positive` refuses zero, too.
 CLI::Validator seconds(bool positive);
+/// A finite number in [min, max].
+CLI::Validator number(double min, double max);
+/// One of `names`; another is refused with the nearest.
+CLI::Validator one_of(std::string_view what, std::vector<std::string> names);
 /// A whole number in [min, max] without sign.
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "console.hpp"
 #include "interrupt.hpp"
@@ -26,14 +27,26 @@ std::string bar_of(double share) {
 
 }  // namespace
 
-std::string progress_line(const experiment::Progress& p, bool bar) {
+std::string progress_line(const Standing& s, bool bar) {
   std::string line;
-  if (bar && p.duration_s && *p.duration_s > 0) line += bar_of(p.data_s / *p.duration_s) + " ";
-  line += p.duration_s ? fmt::format("{:.1f} / {:.1f} s", p.data_s, *p.duration_s) : fmt::format("{:.1f} s", p.data_s);
-  if (p.wall_s > 0) line += fmt::format("   {:.1f}x real time", p.data_s / p.wall_s);
-  line += p.overlap ? fmt::format("   SOD {:.2f}", *p.overlap) : "   SOD -";
-  if (p.rate_hz > 0) line += fmt::format("   {:.1f} Hz", p.rate_hz);
-  return line;
+  if (bar && s.duration_s && *s.duration_s > 0) line += bar_of(s.data_s / *s.duration_s) + " ";
+  line += s.duration_s ? fmt::format("{:.1f} / {:.1f} s", s.data_s, *s.duration_s) : fmt::format("{:.1f} s", s.data_s);
+  if (s.wall_s > 0) line += fmt::format("   {:.1f}x real time", s.data_s / s.wall_s);
+  return line + s.more;
+}
+
+void ProgressBar::show(const Standing& s) {
+  if (quiet_) return;
+  if (terminal_) return show_bar(progress_line(s, true));
+  const double tenth = s.duration_s && *s.duration_s > 0 ? *s.duration_s / 10.0 : kUnknownTenth;
+  const int reached = static_cast<int>(s.data_s / tenth);
+  if (reached <= tenths_) return;
+  tenths_ = reached;
+  tell(progress_line(s, false));
+}
+
+void ProgressBar::clear() const {
+  if (!quiet_ && terminal_) clear_bar();
 }
 
 void ProgressDisplay::on_start(const io::SourceNotes& notes) {
@@ -44,13 +57,9 @@ void ProgressDisplay::on_start(const io::SourceNotes& notes) {
 }
 
 void ProgressDisplay::on_progress(const experiment::Progress& p) {
-  if (quiet_) return;
-  if (terminal_) return show_bar(progress_line(p, true));
-  const double tenth = p.duration_s && *p.duration_s > 0 ? *p.duration_s / 10.0 : kUnknownTenth;
-  const int reached = static_cast<int>(p.data_s / tenth);
-  if (reached <= tenths_) return;
-  tenths_ = reached;
-  tell(progress_line(p, false));
+  std::string more = p.overlap ? fmt::format("   SOD {:.2f}", *p.overlap) : "   SOD -";
+  if (p.rate_hz > 0) more += fmt::format("   {:.1f} Hz", p.rate_hz);
+  bar_.show({p.data_s, p.duration_s, p.wall_s, std::move(more)});
 }
 
 bool ProgressDisplay::stop_requested() { return interrupted(); }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <memory>
 
+#include "aslio/core/errors.hpp"
+#include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "command.hpp"
 #include "console.hpp"
@@ -19,7 +21,7 @@ namespace aslio::cli {
 namespace {
 
 struct Arguments {
-  std::string pipeline, input, sensor, output, reference, save_map;
+  std::string pipeline, input, dataset, sensor, output, reference, save_map;
   std::vector<std::string> overrides, plugins;
   int threads = 1;
   double start = 0, duration = 0;
@@ -81,18 +83,45 @@ std::string report(const experiment::Summary& s, const std::string& output) {
   return text;
 }
 
+void require_one_source(const Arguments& a) {
+  if (!a.input.empty() && !a.dataset.empty()) {
+    throw ConfigError("--input and --dataset exclude each other: a dataset file names its input; leave one out");
+  }
+  if (a.input.empty() && a.dataset.empty()) {
+    throw ConfigError("what to run over is missing: give --input and --sensor, or --dataset");
+  }
+  if (!a.input.empty() && a.sensor.empty()) {
+    throw ConfigError("--input needs --sensor, the sensor file that fits it (configs/sensors has some)");
+  }
+}
+
+/// What the dataset names, less what the command line names itself.
+void take_data(const Arguments& a, const CLI::App& app, experiment::RunOptions& options) {
+  require_one_source(a);
+  if (!a.dataset.empty()) {
+    const experiment::Dataset dataset = experiment::load_dataset(a.dataset);
+    options.dataset = dataset.file;
+    options.input = dataset.input;
+    options.sensor = dataset.sensor;
+    options.reference = dataset.reference;
+    options.section = dataset.section;
+  } else {
+    options.input = a.input;
+  }
+  if (!a.sensor.empty()) options.sensor = a.sensor;
+  if (!a.reference.empty()) options.reference = a.reference;
+  if (app.count("--start") > 0) options.section.start = a.start;
+  if (app.count("--duration") > 0) options.section.duration = a.duration;
+}
+
 experiment::RunOptions options_of(const Arguments& a, const Stages& stages, const CLI::App& app,
                                   const std::vector<std::string>& command_line) {
   experiment::RunOptions options;
+  take_data(a, app, options);
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;
-  options.input = a.input;
-  options.sensor = a.sensor;
   options.output = a.output;
   options.threads = a.threads;
-  options.section.start = a.start;
-  if (app.count("--duration") > 0) options.section.duration = a.duration;
-  if (!a.reference.empty()) options.reference = a.reference;
   if (!a.save_map.empty()) options.save_map = a.save_map;
   options.dense = a.dense;
   options.order_seed = a.seed;
@@ -105,14 +134,15 @@ int run_pipeline(const Arguments& a, const CLI::App& app, const std::vector<std:
   catch_interrupts();
   const Stages stages = load_stages(a.plugins);
   ProgressDisplay display(a.quiet, stderr_is_terminal());
-  const auto result =
-      experiment::run(options_of(a, stages, app, command_line), stages.catalog, display, make_logger(a.quiet));
-  if (!a.quiet && stderr_is_terminal()) clear_bar();
+  const experiment::RunOptions options = options_of(a, stages, app, command_line);
+  const auto result = experiment::run(options, stages.catalog, display, make_logger(a.quiet));
+  display.clear();
   const int code = exit_code(result);
   const std::string& no_figures = result.summary.evaluation_error;
-  if (!no_figures.empty()) complain(fmt::format("--reference {}: {}", a.reference, no_figures));
+  if (!no_figures.empty()) complain(fmt::format("--reference {}: {}", options.reference->string(), no_figures));
   if (code != kSuccess && no_figures.empty()) {
-    complain(fmt::format("{}: {}: {}", a.input, pipeline::name(result.summary.status), result.summary.reason));
+    complain(fmt::format("{}: {}: {}", options.input.string(), pipeline::name(result.summary.status),
+                         result.summary.reason));
   }
   if (!a.quiet) print(report(result.summary, a.output));
   return code;
@@ -122,8 +152,13 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1)")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("--input", a.input, "ROS1 bag, or KITTI raw drive folder")->required()->check(CLI::ExistingPath);
-  app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->required()->check(CLI::ExistingFile);
+  app.add_option("--input", a.input, "ROS1 bag, or KITTI raw drive folder; goes with --sensor")
+      ->check(CLI::ExistingPath);
+  app.add_option("--dataset", a.dataset,
+                 "dataset file (schema: aslio/dataset/1) or a folder with dataset.yaml: names input, sensor, reference "
+                 "and section; other options override it")
+      ->check(CLI::ExistingPath);
+  app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->check(CLI::ExistingFile);
   app.add_option("--output", a.output, "folder for the results; files of an earlier run are replaced")->required();
   app.add_option("--set", a.overrides, "key.path=value (YAML); changes the pipeline, may be repeated")
       ->type_name("KEY=VALUE")
@@ -155,7 +190,8 @@ Command add_run(CLI::App& root, const std::vector<std::string>& command_line) {
       "manifest.json.\n\n"
       "Example:\n"
       "  aslio run configs/pipelines/as_lio.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
-      "--output out/corridor --set window.seg_step=0.04 --save-map out/corridor/map.ply");
+      "--output out/corridor --set window.seg_step=0.04 --save-map out/corridor/map.ply\n"
+      "  aslio run configs/pipelines/as_lio.yaml --dataset out/quickstart/data --output out/quickstart/as_lio");
   return {app, [=] { return run_pipeline(*arguments, *app, command_line); }};
 }
 

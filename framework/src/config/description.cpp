@@ -57,20 +57,27 @@ std::string cell(std::string_view text) {
   return result;
 }
 
-void append_table(std::string& out, const Description& description) {
-  if (description.fields.empty()) {
-    out += "No parameters.\n\n";
-    return;
+}  // namespace
+
+std::string to_text(const Description& description, const StageLookup& stages) {
+  std::string out;
+  for (const Field& field : description.fields) {
+    out += fmt::format("\n  {}: {}\n      {}\n", field.path, facts(field), field.doc);
+    if (!field.family.empty()) out += fmt::format("      {}: {}\n", field.family, join(stages.types(field.family)));
   }
-  out += "| key | type | unit | range | default | meaning |\n|---|---|---|---|---|---|\n";
+  for (const RemovedKey& key : description.removed) out += fmt::format("\n  {}: removed, {}\n", key.path, key.advice);
+  return out;
+}
+
+std::string to_markdown(const Description& description) {
+  if (description.fields.empty()) return "No parameters.\n\n";
+  std::string out = "| key | type | unit | range | default | meaning |\n|---|---|---|---|---|---|\n";
   for (const Field& f : description.fields) {
     out += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", cell(f.path), cell(f.type), cell(f.unit), cell(f.range),
                        cell(f.default_value), cell(f.doc));
   }
-  out += '\n';
+  return out + '\n';
 }
-
-}  // namespace
 
 Description describe(const std::function<void(Binder&)>& describe_block) {
   DescribeBinder binder;
@@ -87,12 +94,7 @@ std::string describe_stage(const StageLookup& stages, std::string_view family, s
   std::string out = fmt::format("{}/{}: {}\nfrom: {}\n", entry.family, entry.type, entry.doc, entry.origin);
   const Description description = describe_entry(entry);
   if (description.fields.empty()) out += "no parameters\n";
-  for (const Field& field : description.fields) {
-    out += fmt::format("\n  {}: {}\n      {}\n", field.path, facts(field), field.doc);
-    if (!field.family.empty()) out += fmt::format("      {}: {}\n", field.family, join(stages.types(field.family)));
-  }
-  for (const RemovedKey& key : description.removed) out += fmt::format("\n  {}: removed, {}\n", key.path, key.advice);
-  return out;
+  return out + to_text(description, stages);
 }
 
 std::string plugin_reference(const StageLookup& stages) {
@@ -106,7 +108,7 @@ std::string plugin_reference(const StageLookup& stages) {
     for (const std::string& type : types) {
       const StageEntry& entry = entry_of(stages, family, type);
       out += fmt::format("### {}/{}\n\n{}.\n\n", family, type, cell(entry.doc));
-      append_table(out, describe_entry(entry));
+      out += to_markdown(describe_entry(entry));
     }
   }
   while (out.ends_with("\n\n")) out.pop_back();

@@ -61,6 +61,7 @@ std::string to_json(const Manifest& manifest, const RunOptions& options) {
                     {"plugins", plugins},
                     {"sensor", sensor},
                     {"input", input},
+                    {"dataset", options.dataset ? Json(options.dataset->string()) : Json(nullptr)},
                     {"seeds", {{"order", options.order_seed}}},
                     {"threads", options.threads},
                     {"build", build()},

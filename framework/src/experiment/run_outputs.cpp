@@ -131,6 +131,7 @@ void refuse_to_overwrite_inputs(const RunOptions& options) {
   std::vector<std::pair<std::string_view, std::filesystem::path>> inputs = {
       {"the pipeline", options.pipeline}, {"--input", options.input}, {"--sensor", options.sensor}};
   if (options.reference) inputs.emplace_back("--reference", *options.reference);
+  if (options.dataset) inputs.emplace_back("--dataset", *options.dataset);
   for (const PluginFile& plugin : options.plugins) inputs.emplace_back("--plugin", plugin.path);
   std::vector<std::pair<std::string_view, std::filesystem::path>> outputs;
   for (const std::string_view name : kNames) outputs.emplace_back("--output", options.output / name);

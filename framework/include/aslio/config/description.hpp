@@ -37,6 +37,11 @@ Description describe(const std::function<void(Binder&)>& describe_block);
 /// Keys of a stage. Throws ConfigError naming the nearest family or type when there is no such stage.
 Description describe(const StageLookup& stages, std::string_view family, std::string_view type);
 
+/// Two lines per key and one per removed key, with a line feed before each; the members of the families are named.
+std::string to_text(const Description& description, const StageLookup& stages);
+/// A table of the keys in Markdown, an empty line behind it.
+std::string to_markdown(const Description& description);
+
 /// Text of `aslio describe FAMILY/TYPE`: what it is, where it comes from, and every key.
 std::string describe_stage(const StageLookup& stages, std::string_view family, std::string_view type);
 /// Markdown with a section per family and a table per type; sorted, so that it changes only with the plugins.

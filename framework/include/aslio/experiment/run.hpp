@@ -27,6 +27,7 @@ struct RunOptions {
   std::filesystem::path input, sensor, output;
   int threads = 1;
   io::Section section;
+  std::optional<std::filesystem::path> dataset;    ///< the file that named input, sensor or reference; for the manifest
   std::optional<std::filesystem::path> reference;  ///< TUM; fills Summary::evaluation
   std::optional<std::filesystem::path> save_map;   ///< .ply or .pcd
   bool dense = false;                              ///< also trajectory_dense.tum

@@ -1,0 +1,44 @@
+#pragma once
+/// A recording with what belongs to it: what `aslio run --dataset` takes in place of --input, --sensor and --reference.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "aslio/io/source.hpp"
+
+namespace aslio::config {
+class Binder;
+}
+
+namespace aslio::experiment {
+
+/// Dataset file (`schema: aslio/dataset/1`). Paths are relative to the folder of the file.
+struct DatasetConfig {
+  std::string name;                ///< empty: that of the file, or of its folder when the file is dataset.yaml
+  std::string description;         ///< for people
+  std::string input;               ///< ROS1 bag, or KITTI raw drive folder
+  std::string sensor;              ///< sensor file
+  std::string reference;           ///< reference trajectory (TUM); empty: none
+  double start = 0;                ///< of the data to skip [s]
+  std::optional<double> duration;  ///< of the data to use [s]; all if absent
+  bool closed_loop = false;        ///< the motion ends in the pose in which it begins
+  static void describe(config::Binder& b, DatasetConfig& dataset);
+};
+
+/// A dataset file with its paths resolved; everything it names exists.
+struct Dataset {
+  std::filesystem::path file;
+  std::string name, description;
+  std::filesystem::path input, sensor;
+  std::optional<std::filesystem::path> reference;
+  io::Section section;
+  bool closed_loop = false;
+  std::string resolved;  ///< YAML with every key at its effective value
+};
+
+/// Reads a dataset file, or `dataset.yaml` of a folder. Throws ConfigError with everything that is wrong, what is named
+/// there and does not exist included: file, line, column, remedy.
+Dataset load_dataset(const std::filesystem::path& path);
+
+}  // namespace aslio::experiment
