@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <mutex>
@@ -98,7 +99,14 @@ struct Caster::Impl {
     if (!errors.message.empty()) throw DataError(fmt::format("ray casting (Embree): {}", errors.message));
   }
 
+  /// Called by Embree for every block it takes or gives back.
+  static bool count(void* self, ssize_t bytes, bool) {
+    static_cast<Impl*>(self)->tree_bytes += bytes;
+    return true;
+  }
+
   ErrorSlot errors;
+  std::atomic<std::int64_t> tree_bytes = 0;
   Device device;
   RayScene scene;
 };
@@ -107,6 +115,7 @@ struct Caster::Impl {
 Caster::Impl::Impl(const Mesh& mesh) : device(rtcNewDevice("threads=1,set_affinity=0")) {
   if (!device) throw DataError(fmt::format("ray casting (Embree): no device (error {})", rtcGetDeviceError(nullptr)));
   rtcSetDeviceErrorFunction(device.get(), ErrorSlot::report, &errors);
+  rtcSetDeviceMemoryMonitorFunction(device.get(), count, this);
   scene.reset(rtcNewScene(device.get()));
   const Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
   check();
@@ -126,10 +135,17 @@ Caster::Caster(Mesh mesh) : mesh_(std::move(mesh)) {
   assert(mesh_.reflectivity.size() == mesh_.triangles.size());
   // Embree reads 16 bytes from where the last vertex begins: room for one more.
   mesh_.vertices.reserve(mesh_.vertices.size() + 1);
+  mesh_.triangles.shrink_to_fit();
+  mesh_.reflectivity.shrink_to_fit();
   impl_ = std::make_unique<Impl>(mesh_);
 }
 
 Caster::~Caster() = default;
+
+std::size_t Caster::bytes() const {
+  return mesh_.vertices.capacity() * sizeof(Eigen::Vector3f) + mesh_.triangles.capacity() * sizeof(Mesh::Triangle) +
+         mesh_.reflectivity.capacity() + static_cast<std::size_t>(impl_->tree_bytes.load());
+}
 
 SurfaceHit Caster::resolved(std::uint32_t geometry, std::uint32_t triangle, const Vec3& origin, const Vec3& direction,
                             double max_range) const {

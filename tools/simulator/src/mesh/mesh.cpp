@@ -67,7 +67,8 @@ void MeshBuilder::box(const Vec3& low, const Vec3& high, std::uint8_t reflectivi
   wall(b, c, low.z(), high.z(), reflectivity);
   wall(c, d, low.z(), high.z(), reflectivity);
   wall(d, a, low.z(), high.z(), reflectivity);
-  slab(a, c, low.z(), reflectivity);
+  const auto at = [&](const Vec2& p) { return Vec3(p.x(), p.y(), low.z()); };
+  quad(at(a), at(d), at(c), at(b), reflectivity);
   slab(a, c, high.z(), reflectivity);
 }
 

@@ -1,54 +1,16 @@
 #include "aslio/simulator/walk.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
+
+#include "jet.hpp"
 
 namespace aslio::simulator {
 namespace {
 
-/// A function of time with its first two derivatives.
-struct Jet {
-  double x = 0, d = 0, dd = 0;
-};
-Jet operator+(const Jet& a, const Jet& b) { return {a.x + b.x, a.d + b.d, a.dd + b.dd}; }
-Jet operator*(const Jet& a, const Jet& b) {
-  return {a.x * b.x, a.d * b.x + a.x * b.d, a.dd * b.x + 2 * a.d * b.d + a.x * b.dd};
-}
-Jet operator*(double k, const Jet& a) { return {k * a.x, k * a.d, k * a.dd}; }
-/// sin(w t)
-Jet sine(double w, double t) {
-  const double s = std::sin(w * t);
-  return {s, w * std::cos(w * t), -w * w * s};
-}
-
-/// u^4 (c0 + c1 u + c2 u^2 + c3 u^3)
-Jet septic(const std::array<double, 4>& c, const Jet& u) {
-  Jet sum{c[3], 0, 0};
-  for (const double k : {c[2], c[1], c[0]}) sum = sum * u + Jet{k, 0, 0};
-  const Jet u2 = u * u;
-  return u2 * u2 * sum;
-}
-/// From 0 to 1, with three vanishing derivatives at both ends.
-Jet smooth_step(const Jet& u) {
-  if (u.x <= 0) return {};
-  if (u.x >= 1) return {1, 0, 0};
-  return septic({35, -84, 70, -20}, u);
-}
-/// 0 at both ends, with slope 1 at the second one; the other derivatives up to the third vanish.
-Jet slope_at_end(const Jet& u) { return septic({-15, 39, -34, 10}, u); }
-
-/// Unit interval [begin, begin + duration] at slowed time.
-Jet unit_time(const Jet& t, double begin, double duration) {
-  return {(t.x - begin) / duration, t.d / duration, t.dd / duration};
-}
-
-/// Septic Hermite segment of one coordinate over u in [0, 1].
-Jet hermite(const Jet& u, double from, double to, double slope_from, double slope_to) {
-  return Jet{from, 0, 0} + slope_from * u + (to - from - slope_from) * smooth_step(u) +
-         (slope_to - slope_from) * slope_at_end(u);
-}
+/// A turn counts as over this much after its end [s], so that rounding of its end cannot cut it off.
+constexpr double kOverMargin = 1e-9;
 
 /// R = Rz(yaw) Ry(pitch) Rx(roll) and the angular rate in the body frame from the rates of the angles.
 void set_attitude(const Jet& yaw, const Jet& pitch, const Jet& roll, MotionState& state) {
@@ -60,41 +22,75 @@ void set_attitude(const Jet& yaw, const Jet& pitch, const Jet& roll, MotionState
   state.w << roll.d - yaw.d * sp, pitch.d * cr + yaw.d * cp * sr, yaw.d * cp * cr - pitch.d * sr;
 }
 
-}  // namespace
-
-Walk::Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, double time_scale)
-    : waypoints_(std::move(waypoints)), turns_(std::move(turns)), gait_(gait), time_scale_(time_scale) {}
-
-double Walk::duration() const { return waypoints_.back().t * time_scale_; }
-
-MotionState Walk::at(double t) const {
-  const double begin = waypoints_.front().t, end = waypoints_.back().t;
-  Jet slow{t / time_scale_, 1 / time_scale_, 0};
-  Jet x, y, yaw;
-  if (slow.x <= begin || slow.x >= end) {
-    const Waypoint& w = slow.x <= begin ? waypoints_.front() : waypoints_.back();
-    x.x = w.x;
-    y.x = w.y;
+/// Position in the plan at slowed time.
+void set_place(const std::vector<Waypoint>& waypoints, bool under_way, const Jet& t, Jet& x, Jet& y) {
+  const auto later = [](double limit, const Waypoint& w) { return limit < w.t; };
+  const auto to = std::upper_bound(waypoints.begin(), waypoints.end(), t.x, later);
+  if (to == waypoints.end()) {
+    x.x = to[-1].x;
+    y.x = to[-1].y;
+  } else if (to == waypoints.begin() || t.x == waypoints.front().t) {
+    const Waypoint& first = waypoints.front();
+    const double moving = under_way ? 1 : 0;
+    x = {first.x + moving * first.vx * (t.x - first.t), moving * first.vx * t.d, 0};
+    y = {first.y + moving * first.vy * (t.x - first.t), moving * first.vy * t.d, 0};
   } else {
-    const auto later = [](double limit, const Waypoint& w) { return limit < w.t; };
-    const auto to = std::upper_bound(waypoints_.begin(), waypoints_.end(), slow.x, later);
-    const Waypoint &a = *(to - 1), &b = *to;
+    const Waypoint &a = to[-1], &b = *to;
     const double duration = b.t - a.t;
-    const Jet u = unit_time(slow, a.t, duration);
+    const Jet u = unit_time(t, a.t, duration);
     x = hermite(u, a.x, b.x, a.vx * duration, b.vx * duration);
     y = hermite(u, a.y, b.y, a.vy * duration, b.vy * duration);
   }
-  for (const Turn& turn : turns_) yaw = yaw + turn.angle * smooth_step(unit_time(slow, turn.begin, turn.duration));
+}
 
-  const Jet fade =
-      smooth_step(unit_time(slow, begin, gait_.fade)) * smooth_step(-1.0 * unit_time(slow, end, gait_.fade));
-  const double w = 2 * std::numbers::pi * gait_.frequency;
+/// Height of the ground under a moving point.
+Jet under(const Ground& ground, const Jet& x, const Jet& y) {
+  const GroundHeight g = ground.at(x.x, y.x);
+  return {g.z, g.zx * x.d + g.zy * y.d,
+          g.zxx * x.d * x.d + 2 * g.zxy * x.d * y.d + g.zyy * y.d * y.d + g.zx * x.dd + g.zy * y.dd};
+}
+
+}  // namespace
+
+Walk::Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, WalkSetting setting)
+    : waypoints_(std::move(waypoints)), turns_(std::move(turns)), gait_(gait), setting_(std::move(setting)) {
+  std::stable_sort(turns_.begin(), turns_.end(), [](const Turn& a, const Turn& b) { return a.begin < b.begin; });
+  angle_before_.push_back(setting_.heading);
+  for (const Turn& turn : turns_) {
+    const double over = turn.begin + turn.duration + kOverMargin;
+    all_over_.push_back(all_over_.empty() ? over : std::max(all_over_.back(), over));
+    angle_before_.push_back(angle_before_.back() + turn.angle);
+  }
+}
+
+Walk::Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, double time_scale)
+    : Walk(std::move(waypoints), std::move(turns), gait, WalkSetting{}) {
+  time_scale_ = time_scale;
+}
+
+double Walk::duration() const { return waypoints_.back().t * time_scale_ + setting_.rest; }
+
+MotionState Walk::at(double t) const {
+  const double begin = waypoints_.front().t, end = waypoints_.back().t;
+  const Jet slow{t / time_scale_, 1 / time_scale_, 0};
+  Jet x, y;
+  set_place(waypoints_, setting_.under_way, slow, x, y);
+
+  const auto over = std::upper_bound(all_over_.begin(), all_over_.end(), slow.x) - all_over_.begin();
+  Jet yaw{angle_before_[static_cast<std::size_t>(over)], 0, 0};
+  for (auto turn = turns_.begin() + over; turn != turns_.end() && turn->begin < slow.x; ++turn)
+    yaw = yaw + turn->angle * smooth_step(unit_time(slow, turn->begin, turn->duration));
+
+  const Jet rise = setting_.under_way ? Jet{1, 0, 0} : smooth_step(unit_time(slow, begin, gait_.fade));
+  const Jet fade = rise * smooth_step(-1.0 * unit_time(slow, end, gait_.fade));
+  const double w = 2 * std::numbers::pi * gait_.frequency, phase = gait_.phase;
   Jet z, pitch, roll;
   if (fade.x > 0) {
-    z = gait_.height * (fade * (sine(w, t) + 0.3 * sine(2 * w, t)));
-    pitch = gait_.pitch * (fade * sine(w, t));
-    roll = gait_.roll * (fade * sine(0.5 * w, t));
+    z = gait_.height * (fade * (sine(w, t, phase) + 0.3 * sine(2 * w, t, 2 * phase)));
+    pitch = gait_.pitch * (fade * sine(w, t, phase));
+    roll = gait_.roll * (fade * sine(0.5 * w, t, 0.5 * phase));
   }
+  z = z + Jet{setting_.height, 0, 0} + under(setting_.ground, x, y);
   MotionState state;
   state.p << x.x, y.x, z.x;
   state.v << x.d, y.d, z.d;

@@ -1,6 +1,7 @@
 #pragma once
 /// What a ray meets first: triangles by Embree, moving people in closed form.
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -34,6 +35,8 @@ class Caster {
   SurfaceHit cast(const Vec3& origin, const Vec3& direction, double max_range) const;
 
   const Mesh& mesh() const { return mesh_; }
+  /// Memory of the mesh and of Embree's tree [bytes].
+  std::size_t bytes() const;
 
  private:
   struct Impl;

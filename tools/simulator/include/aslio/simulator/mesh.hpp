@@ -39,7 +39,7 @@ struct Placement {
   double yaw = 0;              ///< [rad]
 };
 
-/// Adds surfaces to a mesh. Every point is given in the frame of the current placement.
+/// Adds surfaces to a mesh; normals of solids point out. Every point is given in the frame of the current placement.
 class MeshBuilder {
  public:
   /// Stands for the builder with another placement until it is destroyed; placements nest.
@@ -70,8 +70,8 @@ class MeshBuilder {
                std::uint8_t reflectivity);
   /// Sphere of `rings` x 2 `rings` quadrilaterals, stretched along the axes.
   void ellipsoid(const Vec3& centre, const Vec3& radii, int rings, std::uint8_t reflectivity);
-  /// Polygon in the x-z plane of the placement (corners in order, convex or not self-touching) pushed from y = `from`
-  /// to y = `to`: sides and, by a fan about its centroid, both ends.
+  /// Polygon in the x-z plane of the placement (corners in order, each seen from the mean of all) pushed from y = `from`
+  /// to y = `to`: sides and, by a fan about that mean, both ends.
   void extrude(std::span<const Vec2> profile, double from, double to, std::uint8_t reflectivity);
   /// Vertices on a regular grid over [low, high] with steps of at most `step`, at height `z(x, y)` of the placement.
   void terrain(const Vec2& low, const Vec2& high, double step, std::uint8_t reflectivity,

@@ -16,7 +16,7 @@ namespace aslio::simulator {
 
 /// `lidar:` of a scene file. Absent values are those of the sensor.
 struct LidarParams {
-  bool noise = true;  ///< false: exact ranges and directions, no random losses or outliers (what cannot return is lost)
+  bool noise = true;  ///< false: exact ranges and directions, nothing lost or added at random
   std::optional<double> range_noise, angle_noise;  ///< standard deviations [m], [deg]
   std::optional<double> min_range, max_range;      ///< [m]
   double dropout = 0.02;                           ///< share of pulses lost at random

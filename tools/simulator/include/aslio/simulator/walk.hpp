@@ -22,14 +22,26 @@ struct Gait {
   double roll = 0.02;      ///< amplitude at half the frequency [rad]
   double pitch = 0.015;    ///< amplitude at the frequency [rad]
   double fade = 1;         ///< time in which the amplitudes rise and fall [s]
+  double phase = 0;        ///< of `frequency` at time 0 [rad]; the others go with it
+};
+/// What a walk over a route adds to its line.
+struct WalkSetting {
+  Ground ground;           ///< that the line follows
+  double height = 0;       ///< of the IMU above the ground [m]
+  double heading = 0;      ///< before the first turn [rad]
+  double rest = 0;         ///< time after the last waypoint that belongs to the walk [s]
+  bool under_way = false;  ///< the walk begins at the first waypoint's velocity, with the gait at full amplitude
 };
 
 /// Three times continuously differentiable motion: septic polynomials between waypoints and for turns, plus gait.
-/// Euler angles ZYX. At rest before the first and after the last waypoint.
+/// Euler angles ZYX. At rest before the first (unless under way: then at constant velocity) and after the last
+/// waypoint.
 class Walk final : public Motion {
  public:
   /// Waypoints in ascending time, at rest at both ends. `time_scale` slows everything but the gait's frequency.
   Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, double time_scale);
+  /// Waypoints in ascending time, at rest at the last one and, unless under way, at the first.
+  Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, WalkSetting setting);
 
   /// Motion `t` seconds after the start.
   MotionState at(double t) const override;
@@ -37,9 +49,12 @@ class Walk final : public Motion {
 
  private:
   std::vector<Waypoint> waypoints_;
-  std::vector<Turn> turns_;
+  std::vector<Turn> turns_;           ///< by their begin
+  std::vector<double> all_over_;      ///< [k]: turns 0..k are over from this time on
+  std::vector<double> angle_before_;  ///< [k]: sum of the angles of the turns before k
   Gait gait_;
-  double time_scale_;
+  double time_scale_ = 1;
+  WalkSetting setting_;
 };
 
 }  // namespace aslio::simulator

@@ -1,0 +1,114 @@
+#include "aslio/simulator/scan_pattern.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "aslio/simulator/avia.hpp"
+
+namespace aslio::simulator {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+struct SineCosine {
+  double sine = 0, cosine = 1;
+};
+SineCosine sine_cosine(double angle) { return {std::sin(angle), std::cos(angle)}; }
+/// Of the sum of two angles.
+SineCosine operator+(const SineCosine& a, const SineCosine& b) {
+  return {a.sine * b.cosine + a.cosine * b.sine, a.cosine * b.cosine - a.sine * b.sine};
+}
+
+Beam beam_at(const SineCosine& azimuth, const SineCosine& elevation) {
+  Beam beam;
+  beam.direction << elevation.cosine * azimuth.cosine, elevation.cosine * azimuth.sine, elevation.sine;
+  beam.azimuth << -azimuth.sine, azimuth.cosine, 0;
+  beam.elevation << -elevation.sine * azimuth.cosine, -elevation.sine * azimuth.sine, elevation.cosine;
+  return beam;
+}
+
+/// The rosette of avia.hpp, with the sines of the line offsets taken once.
+class Avia final : public ScanPattern {
+ public:
+  Avia() {
+    for (int line = 0; line < avia::kLines; ++line)
+      offsets_[static_cast<std::size_t>(line)] = sine_cosine((line - 2) * avia::kLineSpacing * kRadPerDeg);
+  }
+  std::size_t beams_per_firing() const override { return avia::kLines; }
+  TimeNs firing_period() const override { return avia::kFiringPeriod; }
+  LidarMessage message() const override { return LidarMessage::livox_custom; }
+  void fire(TimeNs since, std::span<Beam> out) const override {
+    const avia::Angles middle = avia::angles(to_seconds(since));
+    const SineCosine azimuth = sine_cosine(middle.azimuth), elevation = sine_cosine(middle.elevation);
+    for (std::size_t line = 0; line < offsets_.size(); ++line) out[line] = beam_at(azimuth, elevation + offsets_[line]);
+  }
+
+ private:
+  std::array<SineCosine, avia::kLines> offsets_;
+};
+
+/// A model of the Livox Mid-360, whose pattern is not published: a mirror turns at about 10 rev/s and nods at about
+/// 400 Hz through 59 deg; four lines a quarter of a nod apart. The two rates have no small common multiple, so that the
+/// pattern does not repeat for a thousand seconds.
+class Mid360 final : public ScanPattern {
+ public:
+  std::size_t beams_per_firing() const override { return 4; }
+  TimeNs firing_period() const override { return 20'000; }  // 200 000 points per second
+  LidarMessage message() const override { return LidarMessage::livox_custom; }
+  void fire(TimeNs since, std::span<Beam> out) const override {
+    constexpr double turns = 10.007, nods = 397.043;  // [1/s]
+    constexpr double low = -7, high = 52;             // [deg]
+    const double t = to_seconds(since);
+    const SineCosine azimuth = sine_cosine(kTurn * std::fmod(turns * t, 1.0));
+    const double phase = std::fmod(nods * t, 1.0);
+    for (std::size_t line = 0; line < out.size(); ++line) {
+      // A triangle wave covers elevations evenly; a sine would crowd its ends.
+      const double u = std::fmod(phase + 0.25 * static_cast<double>(line), 1.0);
+      const double share = u < 0.5 ? 2 * u : 2 - 2 * u;
+      out[line] = beam_at(azimuth, sine_cosine((low + (high - low) * share) * kRadPerDeg));
+    }
+  }
+};
+
+/// Beams at fixed elevations, evenly spaced, on a head that turns 10 times per second; 2000 columns.
+class Spinning final : public ScanPattern {
+ public:
+  Spinning(int beams, double lowest, double highest) {
+    for (int k = 0; k < beams; ++k)
+      elevations_.push_back(sine_cosine((lowest + (highest - lowest) * k / (beams - 1)) * kRadPerDeg));
+    for (int column = 0; column < kColumns; ++column) azimuths_.push_back(sine_cosine(-kTurn * column / kColumns));
+  }
+  std::size_t beams_per_firing() const override { return elevations_.size(); }
+  TimeNs firing_period() const override { return kPeriod; }
+  LidarMessage message() const override { return LidarMessage::point_cloud2; }
+  void fire(TimeNs since, std::span<Beam> out) const override {
+    const SineCosine& azimuth = azimuths_[static_cast<std::size_t>((since / kPeriod) % kColumns)];
+    for (std::size_t k = 0; k < elevations_.size(); ++k) out[k] = beam_at(azimuth, elevations_[k]);
+  }
+
+ private:
+  static constexpr TimeNs kPeriod = 50'000;
+  static constexpr int kColumns = 2000;
+  std::vector<SineCosine> elevations_, azimuths_;  ///< clockwise seen from above, from x
+};
+
+}  // namespace
+
+std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind) {
+  switch (kind) {
+    case SensorKind::mid360:
+      return std::make_unique<Mid360>();
+    case SensorKind::spin16:
+      return std::make_unique<Spinning>(16, -15.0, 15.0);
+    case SensorKind::spin32:
+      return std::make_unique<Spinning>(32, -30.67, 10.67);
+    case SensorKind::spin64:
+      return std::make_unique<Spinning>(64, -24.8, 2.0);
+    default:
+      return std::make_unique<Avia>();
+  }
+}
+
+}  // namespace aslio::simulator

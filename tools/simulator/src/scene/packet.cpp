@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <cmath>
+
+#include "aslio/simulator/simulation.hpp"
+
+namespace aslio::simulator {
+namespace {
+
+constexpr TimeNs kBlock = kSecond / 100;
+
+/// Casts the firings of one packet. Holds the scratch that they share.
+class PacketSimulation {
+ public:
+  PacketSimulation(const Simulation& simulation, std::size_t index)
+      : simulation_(simulation),
+        model_(simulation.scene().lidar, facts(simulation.sensor_kind()), simulation.options().seed, index),
+        beams_(simulation.pattern().beams_per_firing()),
+        pulses_(beams_.size()),
+        directions_(beams_.size()),
+        hits_(beams_.size()) {}
+
+  SimulatedPacket run(std::size_t index) {
+    const TimeNs begin = static_cast<TimeNs>(index) * Simulation::kPacketPeriod;
+    const TimeNs end = std::min(begin + Simulation::kPacketPeriod, to_ns(simulation_.duration()));
+    const TimeNs period = simulation_.pattern().firing_period();
+    out_.packet.stamp = simulation_.begin_time() + begin;
+    out_.packet.sweep_id = static_cast<std::uint32_t>(index);
+    out_.packet.points.reserve(static_cast<std::size_t>((end - begin) / period + 1) * beams_.size());
+    for (TimeNs t = begin; t < end; t += period) {
+      if ((t - begin) % kBlock == 0) {
+        out_.blocks.push_back({simulation_.begin_time() + t, {}});
+        out_.blocks.back().cells.reserve(static_cast<std::size_t>(kBlock / period) * beams_.size());
+      }
+      fire(t);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void fire(TimeNs since) {
+    const double t = to_seconds(since);
+    const MotionState m = simulation_.motion().at(t);
+    const Pose T_W_L = Pose{m.R, m.p} * simulation_.sensor().T_imu_lidar;
+    simulation_.pattern().fire(since, beams_);
+    for (std::size_t k = 0; k < beams_.size(); ++k) {
+      pulses_[k] = model_.emit(beams_[k]);
+      directions_[k] = T_W_L.R * pulses_[k].direction;
+    }
+    simulation_.caster().cast(T_W_L.p, directions_, model_.max_range(), hits_);
+    if (simulation_.people().size() > 0) simulation_.people().at(t, bodies_);
+    out_.rays += beams_.size();
+    for (std::size_t k = 0; k < beams_.size(); ++k) receive(since, k, T_W_L);
+  }
+
+  void receive(TimeNs since, std::size_t k, const Pose& T_W_L) {
+    SurfaceHit& hit = hits_[k];
+    cast_people(bodies_, T_W_L.p, directions_[k], hit);
+    if (hit.moving) {
+      ++out_.people_rays;
+    } else if (std::isfinite(hit.range)) {
+      out_.blocks.back().cells.push_back(cell_key(T_W_L.p + hit.range * directions_[k]));
+    }
+    const Pulse& pulse = pulses_[k];
+    SurfaceHit second;
+    if (pulse.mixed) {
+      const Vec3 direction = T_W_L.R * pulse.second;
+      second = simulation_.caster().cast(T_W_L.p, direction, model_.max_range());
+      cast_people(bodies_, T_W_L.p, direction, second);
+    }
+    const std::optional<Return> received = model_.receive(pulse, hit, second);
+    if (!received) return;
+    const Vec3 p_L = received->range * beams_[k].direction;
+    TimedPoint point;
+    point.x = static_cast<float>(p_L.x());
+    point.y = static_cast<float>(p_L.y());
+    point.z = static_cast<float>(p_L.z());
+    point.intensity = received->intensity;
+    point.t = simulation_.begin_time() + since;
+    point.sweep_id = out_.packet.sweep_id;
+    point.line = static_cast<std::uint8_t>(k);
+    point.tag = received->tag;
+    out_.packet.points.push_back(point);
+  }
+
+  const Simulation& simulation_;
+  ReturnModel model_;
+  std::vector<Beam> beams_;
+  std::vector<Pulse> pulses_;
+  std::vector<Vec3> directions_;
+  std::vector<SurfaceHit> hits_;
+  std::vector<Body> bodies_;
+  SimulatedPacket out_;
+};
+
+}  // namespace
+
+SimulatedPacket Simulation::packet(std::size_t index) const { return PacketSimulation(*this, index).run(index); }
+
+}  // namespace aslio::simulator

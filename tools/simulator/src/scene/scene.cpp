@@ -1,0 +1,111 @@
+#include "aslio/simulator/scene.hpp"
+
+#include <array>
+#include <utility>
+
+#include "aslio/config/load.hpp"
+
+namespace aslio::simulator {
+namespace {
+
+/// Scenes have no stages.
+class NoStages final : public config::StageLookup {
+ public:
+  const config::StageEntry* find(std::string_view, std::string_view) const override { return nullptr; }
+  std::vector<std::string> families() const override { return {}; }
+  std::vector<std::string> types(std::string_view) const override { return {}; }
+};
+
+/// The keys of the chosen type stand beside `type`.
+void describe_world(config::Binder& b, WorldParams& params) {
+  switch (params.type) {
+    case WorldKind::office:
+      return OfficeParams::describe(b, params.office);
+    case WorldKind::garage:
+      return GarageParams::describe(b, params.garage);
+    case WorldKind::library:
+      return LibraryParams::describe(b, params.library);
+    case WorldKind::campus:
+      return CampusParams::describe(b, params.campus);
+    case WorldKind::approach:
+      return ApproachParams::describe(b, params.approach);
+    case WorldKind::doorway:
+      return DoorwayParams::describe(b, params.doorway);
+    case WorldKind::mesh:
+      return MeshFileParams::describe(b, params.mesh);
+  }
+}
+
+}  // namespace
+
+void WorldParams::describe(config::Binder& b, WorldParams& params) {
+  b.choice("type", params.type,
+           {{"office", WorldKind::office},
+            {"garage", WorldKind::garage},
+            {"library", WorldKind::library},
+            {"campus", WorldKind::campus},
+            {"approach", WorldKind::approach},
+            {"doorway", WorldKind::doorway},
+            {"mesh", WorldKind::mesh}},
+           "kind of world; the other keys depend on it");
+  describe_world(b, params);
+}
+
+void RoutePoint::describe(config::Binder& b, RoutePoint& point) {
+  b.real("x", point.x, "m", {.min = -2000.0, .max = 2000.0}, "position in the plan");
+  b.real("y", point.y, "m", {.min = -2000.0, .max = 2000.0}, "position in the plan");
+}
+
+void StressParams::describe(config::Binder& b, StressParams& params) {
+  b.real("clock_offset", params.clock_offset, "ms", {.min = -1000.0, .max = 1000.0}, "added to the stamps of the IMU");
+  b.real("stamp_jitter", params.stamp_jitter, "us", {.min = 0.0, .max = 10000.0},
+         "standard deviation of the stamps of the IMU; their order is kept");
+  b.real("packet_loss", params.packet_loss, "1", {.min = 0.0, .max = 0.9}, "share of LiDAR messages that are lost");
+  b.real("imu_loss", params.imu_loss, "1", {.min = 0.0, .max = 0.9}, "share of IMU samples that are lost");
+  b.real("extrinsic_angle", params.extrinsic_angle, "deg", {.min = 0.0, .max = 45.0},
+         "error of the rotation in the sensor file, about a random axis");
+  b.real("extrinsic_offset", params.extrinsic_offset, "m", {.min = 0.0, .max = 1.0},
+         "error of the translation in the sensor file, in a random direction");
+}
+
+void Scene::describe(config::Binder& b, Scene& scene) {
+  b.text("description", scene.description, "what the scene is for");
+  b.choice("sensor", scene.sensor,
+           {{"avia", SensorKind::avia},
+            {"mid360", SensorKind::mid360},
+            {"spin16", SensorKind::spin16},
+            {"spin32", SensorKind::spin32},
+            {"spin64", SensorKind::spin64}},
+           "the LiDAR");
+  b.group("world", scene.world, "what does not move");
+  b.groups("route", scene.route, "corners of the closed line that is walked; the first is the start");
+  b.group("walk", scene.walk, "how the route is walked");
+  b.group("follow", scene.follow, "a recorded trajectory to follow instead of a route");
+  b.group("people", scene.people, "who walks about");
+  b.group("lidar", scene.lidar, "errors of the LiDAR");
+  b.group("imu", scene.imu, "errors of the IMU");
+  b.group("stress", scene.stress, "what goes wrong besides");
+  const bool follows = !scene.follow.file.empty();
+  b.require(follows != !scene.route.empty(), "route",
+            "give either route (at least 2 points) or follow.file, one of the two");
+  const PeopleParams& people = scene.people;
+  b.require(!follows || people.walking + people.ahead + people.crossing == 0, "people",
+            "people walk along a route: a scene that follows a file has none");
+}
+
+SceneFile load_scene(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+  std::vector<config::Override> changes;
+  for (const std::string& text : overrides) changes.push_back({text});
+  const NoStages stages;
+  config::Loaded<Scene> loaded = config::load<Scene>(path, config::FileKind::scene, stages, changes);
+  return {std::move(loaded.value), path, std::move(loaded.resolved)};
+}
+
+std::optional<SensorKind> sensor_kind(std::string_view name) {
+  for (const SensorKind kind :
+       {SensorKind::avia, SensorKind::mid360, SensorKind::spin16, SensorKind::spin32, SensorKind::spin64})
+    if (facts(kind).name == name) return kind;
+  return std::nullopt;
+}
+
+}  // namespace aslio::simulator

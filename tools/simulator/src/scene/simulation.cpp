@@ -1,0 +1,142 @@
+#include "aslio/simulator/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/io/writers.hpp"
+#include "aslio/simulator/random.hpp"
+#include "purposes.hpp"
+
+namespace aslio::simulator {
+namespace {
+
+constexpr double kTruthRate = 200;  ///< [Hz]
+constexpr double kMinScale = 0.1, kMaxScale = 10;
+
+std::filesystem::path beside(const SceneFile& scene, const std::string& file) {
+  return std::filesystem::path(file).is_absolute() ? std::filesystem::path(file) : scene.path.parent_path() / file;
+}
+
+World build_world(const SceneFile& scene, const Route* route, double scale) {
+  const WorldParams& world = scene.scene.world;
+  if (world.type == WorldKind::mesh) return load_mesh_world(beside(scene, world.mesh.file), world.mesh);
+  if (route == nullptr)
+    throw ConfigError(
+        fmt::format("{}: world: only a world of type mesh can be walked without a route", scene.path.string()));
+  switch (world.type) {
+    case WorldKind::garage:
+      return build_garage(world.garage, *route, scale);
+    case WorldKind::library:
+      return build_library(world.library, *route, scale);
+    case WorldKind::campus:
+      return build_campus(world.campus, *route, scale);
+    case WorldKind::approach:
+      return build_approach(world.approach, *route, scale);
+    case WorldKind::doorway:
+      return build_doorway(world.doorway, *route, scale);
+    default:
+      return build_office(world.office, *route, scale);
+  }
+}
+
+std::unique_ptr<Route> scaled_route(const SceneFile& scene, double scale) {
+  if (scene.scene.route.empty()) {
+    if (scale != 1)
+      throw ConfigError(fmt::format("{}: --scale {}: a scene that follows a trajectory has no route to scale",
+                                    scene.path.string(), scale));
+    return nullptr;
+  }
+  std::vector<Vec2> points;
+  for (const RoutePoint& p : scene.scene.route) points.emplace_back(scale * p.x, scale * p.y);
+  return std::make_unique<Route>(std::move(points));
+}
+
+Vec3 random_direction(RandomStream& stream) {
+  const Vec3 v(stream.normal(), stream.normal(), stream.normal());
+  return v.normalized();
+}
+
+SensorModel true_sensor(SensorKind kind, const LidarParams& lidar, const ImuModel& imu) {
+  const SensorFacts& f = facts(kind);
+  SensorModel sensor;
+  sensor.T_imu_lidar.p = f.p_imu_lidar;
+  sensor.scan_lines = static_cast<int>(make_scan_pattern(kind)->beams_per_firing());
+  sensor.min_range = lidar.min_range.value_or(f.min_range);
+  sensor.max_range = lidar.max_range.value_or(f.max_range);
+  sensor.sweep_period = to_seconds(Simulation::kPacketPeriod);
+  // A sensor file has to hold positive densities: those of an IMU without noise are left at their defaults.
+  if (imu.gyro_noise > 0) sensor.gyro_noise = imu.gyro_noise;
+  if (imu.acc_noise > 0) sensor.acc_noise = imu.acc_noise;
+  if (imu.gyro_bias_walk > 0) sensor.gyro_bias_walk = imu.gyro_bias_walk;
+  if (imu.acc_bias_walk > 0) sensor.acc_bias_walk = imu.acc_bias_walk;
+  return sensor;
+}
+
+SensorModel with_errors(SensorModel sensor, const StressParams& stress, std::uint64_t seed) {
+  RandomStream stream(seed, purpose::kExtrinsicError);
+  const Vec3 axis = random_direction(stream), offset = random_direction(stream);
+  const double angle = stress.extrinsic_angle * std::numbers::pi / 180;
+  if (angle > 0) sensor.T_imu_lidar.R = Eigen::AngleAxisd(angle, axis).toRotationMatrix() * sensor.T_imu_lidar.R;
+  sensor.T_imu_lidar.p += stress.extrinsic_offset * offset;
+  return sensor;
+}
+
+}  // namespace
+
+std::uint64_t cell_key(const Vec3& p_W) {
+  std::uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cell = static_cast<std::int64_t>(std::floor(p_W[axis] / kOverlapCell));
+    key = key << 21U | (static_cast<std::uint64_t>(cell + (1 << 20)) & 0x1fffffU);
+  }
+  return key;
+}
+
+Simulation::Simulation(const SceneFile& file, const SimulationOptions& options)
+    : scene_(file.scene), options_(options), kind_(options.sensor.value_or(file.scene.sensor)) {
+  if (!(options.scale >= kMinScale && options.scale <= kMaxScale))
+    throw ConfigError(fmt::format("scale is {}, must be in [{}, {}]", options.scale, kMinScale, kMaxScale));
+  route_ = scaled_route(file, options.scale);
+  World world = build_world(file, route_.get(), options.scale);
+  ground_ = std::move(world.ground);
+  caster_ = std::make_unique<Caster>(std::move(world.mesh));
+  if (route_) {
+    motion_ = make_route_walk(*route_, ground_, scene_.walk, options.seed);
+    people_ = People(scene_.people, *route_, ground_, *motion_, options.seed);
+  } else {
+    motion_ = follow_poses(io::read_tum(beside(file, scene_.follow.file)), scene_.follow.knot_interval);
+  }
+  pattern_ = make_scan_pattern(kind_);
+  const ImuModel model = imu_model(scene_.imu);
+  sensor_ = true_sensor(kind_, scene_.lidar, model);
+  claimed_sensor_ = with_errors(sensor_, scene_.stress, options.seed);
+  imu_ = simulate_imu(*motion_, options.begin, motion_->duration(), model, options.seed);
+}
+
+Simulation::~Simulation() = default;
+
+TimeNs Simulation::end_time() const { return options_.begin + to_ns(duration()); }
+
+Trajectory Simulation::truth() const {
+  std::vector<StampedPose> poses;
+  const auto add = [&](TimeNs since) {
+    const MotionState m = motion_->at(to_seconds(since));
+    poses.push_back({options_.begin + since, {m.R, m.p}});
+  };
+  const TimeNs end = to_ns(duration());
+  const auto count = static_cast<std::int64_t>(std::floor(duration() * kTruthRate));
+  for (std::int64_t k = 0; k <= count; ++k) add(std::min(end, to_ns(static_cast<double>(k) / kTruthRate)));
+  if (poses.back().t < options_.begin + end) add(end);
+  return Trajectory(std::move(poses));
+}
+
+std::size_t Simulation::packet_count() const {
+  return static_cast<std::size_t>((to_ns(duration()) + kPacketPeriod - 1) / kPacketPeriod);
+}
+
+}  // namespace aslio::simulator
