@@ -7,6 +7,7 @@ namespace aslio::simulator {
 namespace {
 
 constexpr TimeNs kBlock = kSecond / 100;
+constexpr std::size_t kFiringsPerView = 8;
 
 /// Casts the firings of one packet. Holds the scratch that they share.
 class PacketSimulation {
@@ -28,7 +29,7 @@ class PacketSimulation {
     out_.packet.points.reserve(static_cast<std::size_t>((end - begin) / period + 1) * beams_.size());
     for (TimeNs t = begin; t < end; t += period) {
       if ((t - begin) % kBlock == 0) {
-        out_.blocks.push_back({simulation_.begin_time() + t, {}});
+        out_.blocks.push_back({simulation_.begin_time() + t, {}, 0});
         out_.blocks.back().cells.reserve(static_cast<std::size_t>(kBlock / period) * beams_.size());
       }
       fire(t);
@@ -47,8 +48,9 @@ class PacketSimulation {
       directions_[k] = T_W_L.R * pulses_[k].direction;
     }
     simulation_.caster().cast(T_W_L.p, directions_, model_.max_range(), hits_);
-    if (simulation_.people().size() > 0) simulation_.people().at(t, bodies_);
+    simulation_.people().in_view(t, T_W_L.p, directions_, bodies_);
     out_.rays += beams_.size();
+    in_view_ = firings_++ % kFiringsPerView == 0;
     for (std::size_t k = 0; k < beams_.size(); ++k) receive(since, k, T_W_L);
   }
 
@@ -56,9 +58,11 @@ class PacketSimulation {
     SurfaceHit& hit = hits_[k];
     cast_people(bodies_, T_W_L.p, directions_[k], hit);
     if (hit.moving) {
-      ++out_.people_rays;
+      ++out_.blocks.back().people_rays;
     } else if (std::isfinite(hit.range)) {
-      out_.blocks.back().cells.push_back(cell_key(T_W_L.p + hit.range * directions_[k]));
+      const Vec3 p_W = T_W_L.p + hit.range * directions_[k];
+      out_.blocks.back().cells.push_back(cell_key(p_W));
+      if (in_view_) out_.view.push_back(p_W.cast<float>());
     }
     const Pulse& pulse = pulses_[k];
     SurfaceHit second;
@@ -89,6 +93,8 @@ class PacketSimulation {
   std::vector<Vec3> directions_;
   std::vector<SurfaceHit> hits_;
   std::vector<Body> bodies_;
+  std::size_t firings_ = 0;
+  bool in_view_ = false;
   SimulatedPacket out_;
 };
 

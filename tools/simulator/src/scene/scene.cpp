@@ -16,6 +16,12 @@ class NoStages final : public config::StageLookup {
   std::vector<std::string> types(std::string_view) const override { return {}; }
 };
 
+std::vector<config::Override> as_overrides(const std::vector<std::string>& texts) {
+  std::vector<config::Override> overrides;
+  for (const std::string& text : texts) overrides.push_back({text});
+  return overrides;
+}
+
 /// The keys of the chosen type stand beside `type`.
 void describe_world(config::Binder& b, WorldParams& params) {
   switch (params.type) {
@@ -94,11 +100,16 @@ void Scene::describe(config::Binder& b, Scene& scene) {
 }
 
 SceneFile load_scene(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
-  std::vector<config::Override> changes;
-  for (const std::string& text : overrides) changes.push_back({text});
   const NoStages stages;
-  config::Loaded<Scene> loaded = config::load<Scene>(path, config::FileKind::scene, stages, changes);
+  config::Loaded<Scene> loaded = config::load<Scene>(path, config::FileKind::scene, stages, as_overrides(overrides));
   return {std::move(loaded.value), path, std::move(loaded.resolved)};
+}
+
+SceneFile with_overrides(const SceneFile& scene, const std::vector<std::string>& overrides) {
+  const NoStages stages;
+  config::Loaded<Scene> loaded = config::parse<Scene>(scene.resolved, scene.path.string(), config::FileKind::scene,
+                                                      stages, as_overrides(overrides));
+  return {std::move(loaded.value), scene.path, std::move(loaded.resolved)};
 }
 
 std::optional<SensorKind> sensor_kind(std::string_view name) {

@@ -70,8 +70,8 @@ class MeshBuilder {
                std::uint8_t reflectivity);
   /// Sphere of `rings` x 2 `rings` quadrilaterals, stretched along the axes.
   void ellipsoid(const Vec3& centre, const Vec3& radii, int rings, std::uint8_t reflectivity);
-  /// Polygon in the x-z plane of the placement (corners in order, each seen from the mean of all) pushed from y = `from`
-  /// to y = `to`: sides and, by a fan about that mean, both ends.
+  /// Polygon in the x-z plane of the placement (corners in order, each seen from the mean of all) pushed from y =
+  /// `from` to y = `to`: sides and, by a fan about that mean, both ends.
   void extrude(std::span<const Vec2> profile, double from, double to, std::uint8_t reflectivity);
   /// Vertices on a regular grid over [low, high] with steps of at most `step`, at height `z(x, y)` of the placement.
   void terrain(const Vec2& low, const Vec2& high, double step, std::uint8_t reflectivity,

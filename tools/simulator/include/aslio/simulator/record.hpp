@@ -28,15 +28,17 @@ using RecordProgress = std::function<bool(double)>;
 
 /// Writes, each file whole or not at all, the dataset file last (its presence says that the others are whole; that of
 /// an earlier recording is removed first):
-///   <name>.bag     LiDAR and IMU (acceleration in g)
+///   <name>.bag     LiDAR and IMU by record time: Livox CustomMsg and acceleration in g as its driver sends them, or
+///                  PointCloud2 as Velodyne's (x, y, z, intensity, ring, time) and acceleration in m/s^2
 ///   truth.tum      T_W_I at 200 Hz
-///   truth.csv      t, position, velocity in W, quaternion, angular rate in I, biases at 200 Hz
+///   truth.csv      t, position, velocity in W, quaternion, angular rate in I, biases at 200 Hz (of the IMU samples
+///                  about that time, interpolated)
 ///   overlap.csv    t (end of each 10 ms), rays on the static world, true overlap: share of them whose cell a ray of an
-///                  earlier block had hit; rays on people
+///                  earlier block had hit (nan without such rays); rays on people
 ///   sensor.yaml    sensor file that fits the bag
-///   scene.yaml     the scene with every key at its effective value, seed and scale in a comment
-///   preview.svg    top view of the accumulated true cloud with the path, start, scale bar
-///   dataset.yaml   dataset file (schema: aslio/dataset/1)
+///   scene.yaml     the scene with every key at its effective value, files by absolute path; seed and scale in a
+///   comment preview.svg    top view of the accumulated true cloud with the path, start, scale bar dataset.yaml dataset
+///   file (schema: aslio/dataset/1)
 /// Stopped by `progress`, nothing but whole files remains and false is returned. Throws DataError naming the path for
 /// what cannot be written.
 bool record(const Simulation& simulation, const SceneFile& scene, const RecordOptions& options,

@@ -78,6 +78,8 @@ struct SceneFile {
 
 /// Throws ConfigError with every problem of the file, each with its line.
 SceneFile load_scene(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+/// The scene with more keys changed ("key.path=value").
+SceneFile with_overrides(const SceneFile& scene, const std::vector<std::string>& overrides);
 
 /// "avia", "mid360", ...
 std::optional<SensorKind> sensor_kind(std::string_view name);

@@ -26,13 +26,15 @@ struct SimulationOptions {
 struct CellBlock {
   TimeNs begin = 0;
   std::vector<std::uint64_t> cells;
+  std::size_t people_rays = 0;  ///< rays that met a person, in no cell
 };
 
-/// What one packet period holds. `people_rays` counts rays that met a person (in no CellBlock).
+/// What one packet period holds.
 struct SimulatedPacket {
   LidarPacket packet;  ///< points in time order
   std::vector<CellBlock> blocks;
-  std::size_t rays = 0, people_rays = 0;
+  std::size_t rays = 0;
+  std::vector<Eigen::Vector3f> view;  ///< exact hits on the static world [m], in W, of one firing in eight
 };
 
 /// Edge of the cells of true overlap [m] (METHODS: 0.2 m voxels).
