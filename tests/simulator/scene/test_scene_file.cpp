@@ -2,7 +2,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/simulator/simulation.hpp"
-#include "box_room.hpp"
+#include "simulator/box_room.hpp"
 
 using namespace aslio;
 using namespace aslio::simulator;

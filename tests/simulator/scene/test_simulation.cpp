@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "aslio/simulator/simulation.hpp"
-#include "box_room.hpp"
+#include "simulator/box_room.hpp"
 
 using namespace aslio;
 using namespace aslio::simulator;

@@ -15,10 +15,10 @@
 namespace aslio::simulator {
 
 struct SimulationOptions {
-  std::uint64_t seed = 1;                  ///< noise, biases, people, turn times and gait; the world has its own
-  std::optional<SensorKind> sensor;        ///< instead of the scene's
-  double scale = 1;                        ///< positions of route and world; in [0.1, 10]
-  TimeNs begin = 1'700'000'000 * kSecond;  ///< data time of the first measurement
+  std::uint64_t seed = 1;  ///< noise, biases, people, turn times and gait; the world has its own
+  std::optional<SensorKind> sensor = std::nullopt;  ///< instead of the scene's
+  double scale = 1;                                 ///< positions of route and world; in [0.1, 10]
+  TimeNs begin = 1'700'000'000 * kSecond;           ///< data time of the first measurement
 };
 
 /// Rays of 10 ms and the cells (edge 0.2 m, keys as in cell_key()) that those on the static world hit, before any noise

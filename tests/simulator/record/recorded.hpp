@@ -1,0 +1,43 @@
+#pragma once
+/// A short recording of a bare room, made anew for each test.
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "aslio/simulator/record.hpp"
+#include "simulator/box_room.hpp"
+
+namespace aslio::simulator::test {
+
+/// 4 m x 4 m at 3 m/s: some 7 s.
+inline std::string quick_scene(const std::string& more = "") {
+  return "schema: aslio/scene/1\n"
+         "description: A test of <recordings> & \"more\".\n"
+         "world: {type: mesh, file: room.obj}\n"
+         "route: [{x: 0, y: 0}, {x: 4, y: 0}, {x: 4, y: 4}, {x: 0, y: 4}]\n"
+         "walk: {standstill: 0.5, speed: 3, corner_speed: 2}\n" +
+         more;
+}
+
+struct Recorded {
+  aslio::test::TemporaryFolder folder;
+  SceneFile scene;
+  Simulation simulation;
+  RecordResult result;
+
+  explicit Recorded(const std::string& more = "", int threads = 1, const SimulationOptions& options = {})
+      : scene(written(folder, more)), simulation(scene, options) {
+    if (!record(simulation, scene, {folder / "out", threads, true, "quick"}, nullptr, result))
+      throw std::logic_error("nobody has stopped it");
+  }
+  std::filesystem::path operator/(const std::string& name) const { return folder / ("out/" + name); }
+
+ private:
+  static SceneFile written(const aslio::test::TemporaryFolder& folder, const std::string& more) {
+    folder.write("room.obj", kRoomObj);
+    return load_scene(folder.write("quick.yaml", quick_scene(more)));
+  }
+};
+
+}  // namespace aslio::simulator::test
