@@ -104,8 +104,7 @@ void PlanGrid::add_walls(int axis, std::vector<WallFace>& faces) const {
           here.push_back({a, b, normal, free.floor, free.ceiling});
           return;
         }
-        if (free.floor < other.floor)
-          here.push_back({a, b, normal, free.floor, std::min(other.floor, free.ceiling)});
+        if (free.floor < other.floor) here.push_back({a, b, normal, free.floor, std::min(other.floor, free.ceiling)});
         if (free.ceiling > other.ceiling)
           here.push_back({a, b, normal, std::max(other.ceiling, free.floor), free.ceiling});
       };
@@ -161,9 +160,8 @@ void PlanGrid::add_slabs(MeshBuilder& builder, bool ceiling, std::uint8_t reflec
       }
     }
     for (Slab& s : row) {
-      const auto same = std::find_if(open.begin(), open.end(), [&](const Slab& o) {
-        return o.begin == s.begin && o.end == s.end && o.z == s.z;
-      });
+      const auto same = std::find_if(open.begin(), open.end(),
+                                     [&](const Slab& o) { return o.begin == s.begin && o.end == s.end && o.z == s.z; });
       if (same == open.end()) continue;
       s.row = same->row;
       open.erase(same);

@@ -11,7 +11,7 @@ namespace aslio::simulator::indoor {
 /// Thickness of a wall with a door in it [m].
 inline constexpr double kWall = 0.15;
 /// Top of door openings [m].
-inline constexpr double kDoorHead = 2.05;
+inline constexpr double kDoorHead = 2.25;
 
 /// Upright rectangle in the plan [m].
 struct Rect {
@@ -122,12 +122,12 @@ Placement at_wall(const WallFace& face);
 
 /// An opening of `width` in a wall, or a closed leaf in a recess.
 struct Door {
-  Vec2 at = Vec2::Zero();          ///< middle of the opening, on the wall face of the side of `normal`
-  Vec2 normal = Vec2::UnitX();     ///< out of the wall
+  Vec2 at = Vec2::Zero();       ///< middle of the opening, on the wall face of the side of `normal`
+  Vec2 normal = Vec2::UnitX();  ///< out of the wall
   double width = 0.9, depth = kWall;
   bool open = true;
-  double swing = 1.7;     ///< of the leaf [rad]; 0 is closed
-  bool hinge_left = true; ///< seen along the normal's opposite
+  double swing = 1.7;      ///< of the leaf [rad]; 0 is closed
+  bool hinge_left = true;  ///< seen along the normal's opposite
 
   /// The opening, or the recess of 0.1 m.
   Rect area() const;

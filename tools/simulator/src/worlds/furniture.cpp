@@ -36,7 +36,8 @@ void add_open_shelf(MeshBuilder& builder, RandomStream& random, double width, do
       const double w = std::min(random.uniform(0.05, 0.3), width - 0.04 - x);
       const auto paper = static_cast<std::uint8_t>(random.uniform(40, 200));
       if (random.uniform() < 0.75)
-        builder.box({x, 0.02, z + 0.02}, {x + w, random.uniform(0.6, 0.95) * depth, z + random.uniform(0.2, 0.32)}, paper);
+        builder.box({x, 0.02, z + 0.02}, {x + w, random.uniform(0.6, 0.95) * depth, z + random.uniform(0.2, 0.32)},
+                    paper);
       x += w + (random.uniform() < 0.3 ? 0.1 : 0.01);
     }
   }
@@ -79,11 +80,11 @@ struct ItemSize {
   double least, most, depth, share;
 };
 constexpr std::array kItems{
-    ItemSize{Item::board, 0.8, 1.8, 0.04, 0.2},        ItemSize{Item::radiator, 0.7, 1.4, 0.1, 0.15},
-    ItemSize{Item::pipe, 0.16, 0.16, 0.16, 0.1},       ItemSize{Item::extinguisher, 0.2, 0.2, 0.2, 0.1},
-    ItemSize{Item::cupboard, 0.8, 1.6, 0.36, 0.14},    ItemSize{Item::shelf, 0.7, 1.2, 0.3, 0.07},
-    ItemSize{Item::pillar, 0.3, 0.5, 0.15, 0.08},      ItemSize{Item::plant, 0.36, 0.36, 0.36, 0.05},
-    ItemSize{Item::bench, 1.0, 1.6, 0.36, 0.05},       ItemSize{Item::panel, 0.4, 0.7, 0.14, 0.06}};
+    ItemSize{Item::board, 0.8, 1.8, 0.04, 0.2},     ItemSize{Item::radiator, 0.7, 1.4, 0.1, 0.15},
+    ItemSize{Item::pipe, 0.16, 0.16, 0.16, 0.1},    ItemSize{Item::extinguisher, 0.2, 0.2, 0.2, 0.1},
+    ItemSize{Item::cupboard, 0.8, 1.6, 0.36, 0.14}, ItemSize{Item::shelf, 0.7, 1.2, 0.3, 0.07},
+    ItemSize{Item::pillar, 0.3, 0.5, 0.15, 0.08},   ItemSize{Item::plant, 0.36, 0.36, 0.36, 0.05},
+    ItemSize{Item::bench, 1.0, 1.6, 0.36, 0.05},    ItemSize{Item::panel, 0.4, 0.7, 0.14, 0.06}};
 
 void add_item(MeshBuilder& builder, RandomStream& random, Item item, double width, double depth, double ceiling) {
   switch (item) {
@@ -259,7 +260,8 @@ void dress_ceiling(MeshBuilder& builder, const PlanGrid& grid, RandomStream& ran
   const double top = height - 0.06, low = std::max(2.25, top - 0.1);
   for (double s = run.lo; s < run.hi && low < top; s += 1) {
     const Rect area = run.rect(s, std::min(s + 1, run.hi), tray - 0.12, tray + 0.12);
-    if (grid.free(area, low, top)) builder.box({area.low.x(), area.low.y(), low}, {area.high.x(), area.high.y(), top}, m::kMetal);
+    if (grid.free(area, low, top))
+      builder.box({area.low.x(), area.low.y(), low}, {area.high.x(), area.high.y(), top}, m::kMetal);
   }
 }
 

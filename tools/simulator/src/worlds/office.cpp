@@ -32,7 +32,10 @@ struct Room {
 class Office {
  public:
   Office(const OfficeParams& params, const Route& route, double scale)
-      : params_(params), seed_(static_cast<std::uint64_t>(params.seed)), route_(route), runs_(runs_of(route, "office")) {
+      : params_(params),
+        seed_(static_cast<std::uint64_t>(params.seed)),
+        route_(route),
+        runs_(runs_of(route, "office")) {
     for (const OfficeRoom& room : params.rooms)
       given_.push_back(grown(Rect{scale * Vec2(room.low_x, room.low_y), scale * Vec2(room.high_x, room.high_y)}));
     for (const Rect& room : given_) plan_.add({room, 0, params.height});
@@ -144,7 +147,8 @@ void Office::add_rooms(std::size_t index, double side) {
 
 bool Office::add_room(const Corridor& corridor, double side, double begin, double end, RandomStream& random) {
   const Run& run = corridor.run;
-  const double face = side * corridor.half, depth = random.uniform(3, 5.5), door_at = random.uniform(begin + 0.7, end - 0.7);
+  const double face = side * corridor.half, depth = random.uniform(3, 5.5),
+               door_at = random.uniform(begin + 0.7, end - 0.7);
   const double kind = random.uniform(), leaf = random.uniform(), swing = random.uniform(1.3, 1.9);
   const auto beyond = [&](double s0, double s1, double d0, double d1) {
     return run.rect(s0, s1, std::min(face + side * d0, face + side * d1), std::max(face + side * d0, face + side * d1));
@@ -180,7 +184,8 @@ void Office::add_windows() {
   for (const Rect& room : rooms) {
     for (const double side : {-1.0, 1.0}) {
       for (const int axis : {0, 1}) {
-        Run wall{axis, side > 0 ? room.high[1 - axis] : room.low[1 - axis], room.low[axis] + 0.5, room.high[axis] - 0.5};
+        Run wall{axis, side > 0 ? room.high[1 - axis] : room.low[1 - axis], room.low[axis] + 0.5,
+                 room.high[axis] - 0.5};
         if (wall.hi - wall.lo < 1.2) continue;
         const auto niche = [&](double d0, double d1) {
           return wall.rect(wall.lo, wall.hi, std::min(side * d0, side * d1), std::max(side * d0, side * d1));

@@ -40,10 +40,10 @@ std::vector<Run> runs_of(const Route& route, const char* world) {
     const Vec2 &p = points[k], &q = points[(k + 1) % points.size()];
     const Vec2 d = (q - p).cwiseAbs();
     if (d.minCoeff() > kSameLine) {
-      throw ConfigError(
-          fmt::format("route: edge {} from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) [m] is not parallel to the x or y axis, "
-                      "as a world of type '{}' needs it: put a corner between them",
-                      k, p.x(), p.y(), q.x(), q.y(), world));
+      throw ConfigError(fmt::format(
+          "route: edge {} from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) [m] is not parallel to the x or y axis, "
+          "as a world of type '{}' needs it: put a corner between them",
+          k, p.x(), p.y(), q.x(), q.y(), world));
     }
     const int axis = d.x() >= d.y() ? 0 : 1;
     runs.push_back({axis, p[1 - axis], std::min(p[axis], q[axis]), std::max(p[axis], q[axis])});
@@ -133,7 +133,8 @@ void build_door(MeshBuilder& builder, Site& site, const Door& door) {
   const Vec2 low(std::min(hinge.x(), tip) - (side > 0 ? 0 : thick), hinge.y() - reach * std::sin(door.swing) - thick);
   const Vec2 high(std::max(hinge.x(), tip) + (side > 0 ? thick : 0), hinge.y());
   if (!site.claim(frame_of_door, low, high)) return;
-  const auto leaf = builder.place({Vec3(hinge.x(), hinge.y(), 0), side * door.swing + (side > 0 ? std::numbers::pi : 0)});
+  const auto leaf =
+      builder.place({Vec3(hinge.x(), hinge.y(), 0), side * door.swing + (side > 0 ? std::numbers::pi : 0)});
   // Its thickness lies away from the passage.
   const double y0 = side > 0 ? 0 : -thick, y1 = y0 + thick;
   builder.box({0, y0, 0.01}, {reach, y1, kDoorHead - 0.02}, material::kWood);
