@@ -25,7 +25,7 @@ double coverage(double begin, double duration) {
   std::vector<char> seen(static_cast<std::size_t>(kColumns * kRows), 0);
   const double period = to_seconds(avia::kFiringPeriod);
   for (double t = begin; t < begin + duration; t += period)
-    for (const avia::Beam& beam : avia::firing(t)) {
+    for (const Beam& beam : avia::firing(t)) {
       const double azimuth = std::atan2(beam.direction.y(), beam.direction.x()) / kDeg;
       const double elevation = std::asin(beam.direction.z()) / kDeg;
       const int column = static_cast<int>(std::floor(azimuth / kCell)) + kColumns / 2;
@@ -65,7 +65,7 @@ TEST_CASE("beams are orthonormal frames within the field of view, lines 1.4 deg 
     const auto beams = avia::firing(n * 25e-6);
     const avia::Angles middle = avia::angles(n * 25e-6);
     for (std::size_t line = 0; line < beams.size(); ++line) {
-      const avia::Beam& b = beams[line];
+      const Beam& b = beams[line];
       const double azimuth = std::atan2(b.direction.y(), b.direction.x()), elevation = std::asin(b.direction.z());
       widest = std::max(widest, std::abs(azimuth));
       highest = std::max(highest, std::abs(elevation));
