@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/io/writers.hpp"
 
 namespace aslio::simulator {
 namespace {
@@ -81,6 +82,10 @@ void check(std::span<const StampedPose> poses, double knot_interval) {
   if (poses.size() < kFewestPoses)
     throw DataError(
         fmt::format("the trajectory to follow has {} poses, needs at least {}", poses.size(), kFewestPoses));
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    if (!poses[k].T.p.allFinite() || !poses[k].T.R.allFinite())
+      throw DataError(fmt::format("the trajectory to follow has a pose that is not finite after {:.3f} s (pose {})",
+                                  since_first(poses, k), k + 1));
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const double gap = to_seconds(poses[k].t - poses[k - 1].t), at = since_first(poses, k - 1);
     if (gap <= 0)
@@ -152,7 +157,7 @@ std::unique_ptr<Motion> follow_poses(std::span<const StampedPose> poses, double 
   const Eigen::SimplicialLDLT<Sparse> solver(normal);
   const Eigen::MatrixXd coefficients = solver.solve(rows.transpose() * values(poses));
   if (solver.info() != Eigen::Success || !coefficients.allFinite())
-    throw DataError("the trajectory to follow has poses that are not finite, or no spline fits it");
+    throw DataError("the trajectory to follow cannot be fitted by a spline: its numbers are too large");
   std::vector<Piece> pieces;
   for (Eigen::Index k = 0; k < count; ++k) {
     pieces.emplace_back(basis() * coefficients.middleRows<kOrder>(k));
@@ -165,6 +170,15 @@ std::unique_ptr<Motion> follow_poses(std::span<const StampedPose> poses, double 
       *fit_error = std::max(*fit_error, (motion->at(since_first(poses, k)).p - poses[k].T.p).norm());
   }
   return motion;
+}
+
+std::unique_ptr<Motion> follow_file(const std::filesystem::path& path, double knot_interval) {
+  const std::vector<StampedPose> poses = io::read_tum(path);
+  try {
+    return follow_poses(poses, knot_interval);
+  } catch (const DataError& error) {
+    throw DataError(fmt::format("{}: {}", path.string(), error.what()));
+  }
 }
 
 }  // namespace aslio::simulator

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "aslio/core/errors.hpp"
-#include "aslio/io/writers.hpp"
 #include "aslio/simulator/random.hpp"
 #include "purposes.hpp"
 
@@ -109,7 +108,7 @@ Simulation::Simulation(const SceneFile& file, const SimulationOptions& options)
     motion_ = make_route_walk(*route_, ground_, scene_.walk, options.seed);
     people_ = People(scene_.people, *route_, ground_, *motion_, options.seed);
   } else {
-    motion_ = follow_poses(io::read_tum(beside(file, scene_.follow.file)), scene_.follow.knot_interval);
+    motion_ = follow_file(beside(file, scene_.follow.file), scene_.follow.knot_interval);
   }
   pattern_ = make_scan_pattern(kind_);
   const ImuModel model = imu_model(scene_.imu);
