@@ -2,7 +2,7 @@
 /// A sensor that stands between two buildings, looks at one and turns to the other: on the way there is nothing to see.
 
 #include "aslio/simulator/boxes.hpp"
-#include "aslio/simulator/motion.hpp"
+#include "aslio/simulator/walk.hpp"
 #include "pipeline/runs.hpp"
 
 namespace aslio::test {
@@ -24,7 +24,7 @@ class TwoBuildings {
   LidarPacket packet(std::uint32_t sweep, TimeNs begin) const;
 
   simulator::BoxScene scene_;
-  simulator::Motion motion_;
+  simulator::Walk motion_;
 };
 
 }  // namespace aslio::test

@@ -139,8 +139,8 @@ bool same_bits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& 
 TEST_CASE("rays meet a mesh of boxes where the closed form says") {
   RandomStream random(11, 0);
   int hits = 0, misses = 0, edges = 0;
-  for (int trial = 0; trial < 20; ++trial) {
-    const std::vector<Box> boxes = random_boxes(random, 40);
+  for (int trial = 0; trial < 30; ++trial) {
+    const std::vector<Box> boxes = random_boxes(random, 120);
     const BoxScene scene(boxes);
     const Caster caster(mesh_of(boxes));
     for (int i = 0; i < 100; ++i) {

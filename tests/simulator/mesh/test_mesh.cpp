@@ -61,7 +61,7 @@ std::vector<Solid> solids() {
       2.0 / 3 * sector * (0.25 + 0.1 + 0.04), [](MeshBuilder& b) {
         b.frustum({0, 0, 0}, 0.5, 0.2, 2, n, 10);
       });
-  add("extrusion", {0.5, 1, 0.5}, 3 * (2 + std::sqrt(2.0)) + 1, 1.5, [](MeshBuilder& b) {
+  add("extrusion", {0.3, 1, 0.3}, 3 * (2 + std::sqrt(2.0)) + 1, 1.5, [](MeshBuilder& b) {
     const std::array<Vec2, 3> profile{Vec2(0, 0), Vec2(0, 1), Vec2(1, 0)};
     b.extrude(profile, 0, 3, 10);
   });
@@ -79,17 +79,23 @@ void check_closed(const Solid& solid) {
   INFO(solid.name);
   const Caster caster{Mesh(solid.mesh)};
   RandomStream random(9, 0);
-  std::vector<Vec3> targets;
+  std::vector<Vec3> corners, targets;
   for (const Mesh::Triangle& t : solid.mesh.triangles) {
     const Vec3 a = corner(solid.mesh, t.a), b = corner(solid.mesh, t.b), c = corner(solid.mesh, t.c);
-    targets.insert(targets.end(), {a, 0.5 * (a + b), 0.3 * b + 0.7 * c, 0.9 * c + 0.1 * a, (a + b + c) / 3});
+    corners.push_back(a);
+    targets.insert(targets.end(), {0.5 * (a + b), 0.3 * b + 0.7 * c, 0.9 * c + 0.1 * a, (a + b + c) / 3});
   }
   int missed_inside = 0, missed_outside = 0;
-  const auto probe = [&](const Vec3& direction) {
+  const auto probe_inside = [&](const Vec3& direction) {
     missed_inside += std::isinf(caster.cast(solid.inside, direction, 100).range);
+  };
+  const auto probe = [&](const Vec3& direction) {
+    probe_inside(direction);
     // From outside towards a point within: the surface is in between.
     missed_outside += caster.cast(solid.inside - 40 * direction, direction, 100).range > 40;
   };
+  // Not from far outside: see the note on corners of Caster::cast().
+  for (const Vec3& at : corners) probe_inside((at - solid.inside).normalized());
   for (const Vec3& target : targets) probe((target - solid.inside).normalized());
   for (int i = 0; i < 5000; ++i) probe(any_direction(random));
   CHECK(missed_inside == 0);

@@ -16,7 +16,7 @@ namespace aslio::simulator {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kRounding = 0.6;      ///< of corners of a walker's line [m]
+constexpr double kRounding = 0.8;      ///< of corners of a walker's line [m]
 constexpr double kSpacingAhead = 1.5;  ///< [m]
 constexpr double kBeyond = 0.1;        ///< crossing ones go this much farther from the line than walking ones [m]
 constexpr double kHalfWidth = 0.35;    ///< of the loop of a crossing one, along the route [m]

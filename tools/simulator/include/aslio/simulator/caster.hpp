@@ -30,7 +30,8 @@ class Caster {
   /// Nearest surface within `max_range` along each unit vector of `directions`, all from `origin` and at best not far
   /// apart (they are cast in packets of 8). Which triangle is hit is Embree's decision (single precision; of two that
   /// meet in an edge or lie in one plane it may be either); range and incidence are computed from its plane in double
-  /// precision. Surfaces nearer than 0.1 mm are not seen.
+  /// precision. Surfaces nearer than 0.1 mm are not seen. No ray slips through an edge that two triangles share, but
+  /// one that passes a corner within rounding (1e-7 of the range) may.
   void cast(const Vec3& origin, std::span<const Vec3> directions, double max_range, std::span<SurfaceHit> hits) const;
   SurfaceHit cast(const Vec3& origin, const Vec3& direction, double max_range) const;
 
