@@ -137,4 +137,8 @@ void add_door(FloorPlan& plan, const Door& door);
 /// Frame, handle, and the open leaf on the far side where there is room for it.
 void build_door(MeshBuilder& builder, Site& site, const Door& door);
 
+/// Niches in those walls of rooms behind which nothing lies; the panes for build_windows().
+std::vector<Rect> add_windows(FloorPlan& plan, const std::vector<Rect>& rooms, double ceiling);
+void build_windows(MeshBuilder& builder, const std::vector<Rect>& panes, double ceiling);
+
 }  // namespace aslio::simulator::indoor

@@ -265,4 +265,17 @@ void dress_ceiling(MeshBuilder& builder, const PlanGrid& grid, RandomStream& ran
   }
 }
 
+void hang_lamps(MeshBuilder& builder, const PlanGrid& grid, const Rect& area, double height) {
+  const Vec2 size = area.size();
+  const int nx = static_cast<int>(size.x() / 2.4), ny = static_cast<int>(size.y() / 2.4);
+  for (int j = 0; j < ny; ++j) {
+    for (int i = 0; i < nx; ++i) {
+      const Vec2 at = area.low + Vec2(size.x() * (i + 0.5) / nx, size.y() * (j + 0.5) / ny);
+      const Rect lamp{at - Vec2(0.6, 0.12), at + Vec2(0.6, 0.12)};
+      if (!grid.free(lamp, height - 0.08, height)) continue;
+      builder.box({lamp.low.x(), lamp.low.y(), height - 0.08}, {lamp.high.x(), lamp.high.y(), height}, m::kWhitePaint);
+    }
+  }
+}
+
 }  // namespace aslio::simulator::indoor

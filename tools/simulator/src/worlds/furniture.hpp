@@ -19,6 +19,9 @@ void dress_walls(MeshBuilder& builder, Site& site, std::uint64_t seed, double de
 void dress_ceiling(MeshBuilder& builder, const PlanGrid& grid, RandomStream& random, const Run& run, double half_width,
                    double height);
 
+/// Rows of lamps under the ceiling of a room.
+void hang_lamps(MeshBuilder& builder, const PlanGrid& grid, const Rect& area, double height);
+
 /// Each in the frame of the placement: x along its width from 0, y out of the wall from 0.
 void add_desk(MeshBuilder& builder, RandomStream& random, double width, double depth);
 void add_chair(MeshBuilder& builder, const Vec2& at, double yaw);

@@ -44,7 +44,9 @@ class Office {
       add_rooms(k, -1);
       add_rooms(k, 1);
     }
-    add_windows();
+    std::vector<Rect> lit = given_;
+    for (const Room& room : rooms_) lit.push_back(room.area);
+    windows_ = add_windows(plan_, lit, params.height);
   }
 
   const std::vector<Door>& route_doors() const { return route_doors_; }
@@ -55,7 +57,6 @@ class Office {
   void add_corridor(std::size_t index);
   void add_rooms(std::size_t index, double side);
   bool add_room(const Corridor& corridor, double side, double begin, double end, RandomStream& random);
-  void add_windows();
 
   OfficeParams params_;
   std::uint64_t seed_;
@@ -177,27 +178,6 @@ bool Office::add_room(const Corridor& corridor, double side, double begin, doubl
   return true;
 }
 
-/// Niches with a pane in the outer walls of rooms.
-void Office::add_windows() {
-  std::vector<Rect> rooms = given_;
-  for (const Room& room : rooms_) rooms.push_back(room.area);
-  for (const Rect& room : rooms) {
-    for (const double side : {-1.0, 1.0}) {
-      for (const int axis : {0, 1}) {
-        Run wall{axis, side > 0 ? room.high[1 - axis] : room.low[1 - axis], room.low[axis] + 0.5,
-                 room.high[axis] - 0.5};
-        if (wall.hi - wall.lo < 1.2) continue;
-        const auto niche = [&](double d0, double d1) {
-          return wall.rect(wall.lo, wall.hi, std::min(side * d0, side * d1), std::max(side * d0, side * d1));
-        };
-        if (plan_.meets(niche(0.01, 0.5))) continue;
-        plan_.add({niche(0, 0.2), 0.9, std::min(2.2, params_.height - 0.2)});
-        windows_.push_back(niche(0.14, 0.16));
-      }
-    }
-  }
-}
-
 World Office::build() const {
   const PlanGrid grid(plan_);
   MeshBuilder builder;
@@ -210,16 +190,16 @@ World Office::build() const {
     build_door(builder, site, door);
     if (door.open) site.reserve(door.area().grown(0.6));
   }
-  for (const Rect& pane : windows_)
-    builder.box({pane.low.x(), pane.low.y(), 0.9}, {pane.high.x(), pane.high.y(), std::min(2.2, params_.height - 0.2)},
-                material::kGlass);
+  build_windows(builder, windows_, params_.height);
   for (std::size_t k = 0; k < given_.size(); ++k) {
     RandomStream random(seed_, purpose::kLayout, 4000 + k);
     if (params_.rooms[k].furnished) furnish(builder, site, random, given_[k]);
+    hang_lamps(builder, grid, given_[k], params_.height);
   }
   for (const Room& room : rooms_) {
     RandomStream random(seed_, purpose::kLayout, room.part);
     furnish(builder, site, random, room.area);
+    hang_lamps(builder, grid, room.area, params_.height);
   }
   dress_walls(builder, site, seed_, params_.clutter);
   for (std::size_t k = 0; k < corridors_.size(); ++k) {

@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kSameLine = 1e-3;  // [m]
 
+constexpr double kSill = 0.9;  // [m]
+double head_of_windows(double ceiling) { return std::min(2.2, ceiling - 0.2); }
+
 Rect around(const Vec2& p, const Vec2& q) { return {p.cwiseMin(q), p.cwiseMax(q)}; }
 
 Rect placed(const Placement& placement, const Vec2& low, const Vec2& high) {
@@ -139,6 +142,37 @@ void build_door(MeshBuilder& builder, Site& site, const Door& door) {
   const double y0 = side > 0 ? 0 : -thick, y1 = y0 + thick;
   builder.box({0, y0, 0.01}, {reach, y1, kDoorHead - 0.02}, material::kWood);
   builder.box({reach - 0.15, y0 - 0.04, 1.0}, {reach - 0.03, y1 + 0.04, 1.03}, material::kMetal);
+}
+
+std::vector<Rect> add_windows(FloorPlan& plan, const std::vector<Rect>& rooms, double ceiling) {
+  std::vector<Rect> panes;
+  for (const Rect& room : rooms) {
+    for (const double side : {-1.0, 1.0}) {
+      for (const int axis : {0, 1}) {
+        const double at = side > 0 ? room.high[1 - axis] : room.low[1 - axis];
+        const Run wall{axis, at, room.low[axis] + 0.5, room.high[axis] - 0.5};
+        const double length = wall.hi - wall.lo;
+        if (length < 1.2) continue;
+        const auto niche = [&](double begin, double end, double d0, double d1) {
+          return wall.rect(begin, end, std::min(side * d0, side * d1), std::max(side * d0, side * d1));
+        };
+        if (plan.meets(niche(wall.lo, wall.hi, 0.01, 0.5))) continue;
+        const int count = static_cast<int>(std::ceil(length / 2.5));
+        for (int k = 0; k < count; ++k) {
+          const double begin = wall.lo + length * k / count + 0.1, end = wall.lo + length * (k + 1) / count - 0.1;
+          plan.add({niche(begin, end, 0, 0.2), kSill, head_of_windows(ceiling)});
+          panes.push_back(niche(begin, end, 0.14, 0.16));
+        }
+      }
+    }
+  }
+  return panes;
+}
+
+void build_windows(MeshBuilder& builder, const std::vector<Rect>& panes, double ceiling) {
+  for (const Rect& pane : panes)
+    builder.box({pane.low.x(), pane.low.y(), kSill}, {pane.high.x(), pane.high.y(), head_of_windows(ceiling)},
+                material::kGlass);
 }
 
 }  // namespace aslio::simulator::indoor
