@@ -81,8 +81,6 @@ double distance(const Route& route, const Footprint& area) {
 
 bool Plot::claim(const Footprint& area, double keep) {
   if (distance(*route_, area) < keep) return false;
-  for (const Bare& bare : bare_)
-    if (area.distance(bare.a, bare.b) < bare.radius) return false;
   if (std::any_of(taken_.begin(), taken_.end(), [&](const Footprint& other) { return other.overlaps(area); }))
     return false;
   taken_.push_back(area);

@@ -36,18 +36,11 @@ class Plot {
   bool claim(const Footprint& area, double keep);
   /// Nothing will stand there.
   void reserve(const Footprint& area) { taken_.push_back(area); }
-  /// Nothing will stand within `radius` of the segment.
-  void keep_bare(const Vec2& a, const Vec2& b, double radius) { bare_.push_back({a, b, radius}); }
   const Route& route() const { return *route_; }
 
  private:
-  struct Bare {
-    Vec2 a, b;
-    double radius = 0;
-  };
   const Route* route_;
   std::vector<Footprint> taken_;
-  std::vector<Bare> bare_;
 };
 
 }  // namespace aslio::simulator::outdoor
