@@ -98,10 +98,10 @@ void Facade::add_bay(int storey, int k) {
   builder_.box({middle - w - 0.06, -0.02, z0 + sill - 0.06}, {middle + w + 0.06, 0.09, z0 + sill}, m::kConcrete);
   builder_.box({middle - 0.03, -b_.niche, z0 + sill}, {middle + 0.03, -b_.niche + 0.04, z0 + top}, m::kWhitePaint);
   if (storey > 0 && balcony < b_.balconies) {
-    builder_.box({middle - w - 0.5, -0.02, z0 - 0.02}, {middle + w + 0.5, kProud, z0 + 0.12}, m::kConcrete);
-    builder_.wall({middle - w - 0.5, kProud - 0.05}, {middle + w + 0.5, kProud - 0.05}, z0 + 0.12, z0 + 1.05,
-                  m::kMetal);
-    for (const double x : {middle - w - 0.5, middle + w + 0.5})
+    const double edge = std::min(w + 0.5, 0.5 * bay - 0.1);
+    builder_.box({middle - edge, -0.02, z0 - 0.02}, {middle + edge, kProud, z0 + 0.12}, m::kConcrete);
+    builder_.wall({middle - edge, kProud - 0.05}, {middle + edge, kProud - 0.05}, z0 + 0.12, z0 + 1.05, m::kMetal);
+    for (const double x : {middle - edge, middle + edge})
       builder_.wall({x, 0}, {x, kProud - 0.05}, z0 + 0.12, z0 + 1.05, m::kMetal);
   }
 }
@@ -125,7 +125,7 @@ void add_roof(MeshBuilder& builder, RandomStream& random, const Building& b) {
                 m::kConcrete);
   }
   for (int k = 0; k < 3; ++k) {
-    const Vec2 at(random.uniform(-0.7 * w, 0.6 * w), random.uniform(-0.6 * d, 0.4 * d));
+    const Vec2 at(random.uniform(0.4 - w, std::max(0.4 - w, w - 3)), random.uniform(-0.6 * d, 0.4 * d));
     builder.box({at.x(), at.y(), z}, {at.x() + random.uniform(1, 2.5), at.y() + 1.4, z + random.uniform(0.8, 2.4)},
                 m::kMetal);
   }

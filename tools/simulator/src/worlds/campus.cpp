@@ -26,7 +26,7 @@ constexpr double kKerb = 0.12;     ///< height of the pavements above the street
 constexpr double kPavement = 2;    ///< width of the pavements [m]
 constexpr double kPiece = 2;       ///< of pavements [m]
 constexpr double kPaintZ = 0.004;  ///< height of lines above the street [m]
-constexpr double kKeep = 1;        ///< from the route to whatever stands [m]; a walk cuts corners
+constexpr double kKeep = 1;        ///< from the route to parked cars [m]; a walk cuts corners
 
 /// One edge of the route: x along it from its first point, y to its left.
 struct Street {
@@ -72,7 +72,7 @@ class Campus {
   double height(const Vec2& p) const { return ground_.height(p.x(), p.y()); }
   /// On the ground, x along the street; on the left side turned so that y always points to the street.
   Placement beside(const Street& street, double x, double y, double turn = 0) const;
-  /// Builds in the placement when the plot is free there.
+  /// Builds in the placement when the plot is free there, off the streets.
   bool put(const Placement& placement, const Vec2& low, const Vec2& high, const std::function<void()>& add);
   void draw_ground();
   void keep_bare(double scale);
@@ -136,7 +136,7 @@ Placement Campus::beside(const Street& street, double x, double y, double turn) 
 }
 
 bool Campus::put(const Placement& placement, const Vec2& low, const Vec2& high, const std::function<void()>& add) {
-  if (!plot_.claim(footprint(placement, low, high), kKeep)) return false;
+  if (!plot_.claim(footprint(placement, low, high), half_)) return false;
   const auto placed = builder_.place(placement);
   add();
   return true;
@@ -205,7 +205,7 @@ bool Campus::add_house(const Street& street, double side, double x, double width
   const double front = half_ + kPavement + setback + 1.1;
   Placement placement = beside(street, x + 0.5 * width, side * (front + 0.5 * depth));
   const Footprint area = footprint(building, placement);
-  if (distance(route_, area) < half_ + kPavement + 0.5 * setback || !plot_.claim(area, kKeep)) return false;
+  if (distance(route_, area) < half_ + kPavement + 0.5 * setback || !plot_.claim(area, half_)) return false;
   double lowest = placement.origin.z();
   for (const Vec2& corner : area.corners()) lowest = std::min(lowest, height(corner));
   placement.origin.z() = lowest + 0.15;
