@@ -245,11 +245,9 @@ void Library::dress_hall(MeshBuilder& builder, const PlanGrid& grid) const {
 World Library::build() const {
   FloorPlan plan;
   plan.add({hall_, 0, params_.height});
-  const std::vector<Rect> panes = add_windows(plan, {hall_}, params_.height);
   const PlanGrid grid(plan);
   MeshBuilder builder;
   grid.build(builder, {.wall = m::kPlaster, .floor = m::kCloth, .ceiling = m::kWhitePaint});
-  build_windows(builder, panes, params_.height);
   Site site(grid, keep_clear_);
   for (const Rect& p : pillars(site))
     builder.box({p.low.x(), p.low.y(), 0}, {p.high.x(), p.high.y(), params_.height}, m::kConcrete);

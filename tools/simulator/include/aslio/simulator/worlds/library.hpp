@@ -18,7 +18,7 @@ struct LibraryParams {
   double aisle_max = 1.5;     ///< [m]
   double height = 2.9;        ///< of the ceiling [m]
   double shelf_height = 2.4;  ///< [m]
-  std::int64_t rows = 2;      ///< of double shelves on each side of the route
+  std::int64_t rows = 3;      ///< of double shelves on each side of the route
   double books = 0.85;        ///< share of the shelves that is taken
   static void describe(config::Binder& b, LibraryParams& params);
 };
