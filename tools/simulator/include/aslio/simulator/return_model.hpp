@@ -30,7 +30,7 @@ struct LidarParams {
 /// One report of the sensor.
 struct Return {
   double range = 0;            ///< [m], along the nominal beam
-  std::uint8_t intensity = 0;  ///< 0..255: reflectivity times cosine of incidence
+  std::uint8_t intensity = 0;  ///< 0..255: reflectivity times cosine of incidence; range is compensated
   std::uint8_t tag = 0x10;     ///< Livox: single return
 };
 
