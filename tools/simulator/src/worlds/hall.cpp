@@ -17,6 +17,8 @@ using indoor::Rect;
 constexpr double kHalfPi = std::numbers::pi / 2;
 constexpr double kPillar = 0.45;      ///< across [m]
 constexpr double kBeamBelow = 0.42;   ///< ceiling to underside [m]
+constexpr double kRib = 0.25;         ///< ceiling to underside [m]
+constexpr double kCoffer = 2;         ///< from rib to rib [m]
 constexpr double kBay = 2.5;          ///< width of a bay [m]
 constexpr double kKeepPillar = 0.85;  ///< from the route [m]; a walk cuts corners
 constexpr double kKeepVehicle = 1.0;
@@ -138,6 +140,12 @@ void HallBuilder::ceiling() {
     builder_.box({x - 0.2, low.y(), under}, {x + 0.2, high.y(), hall_.height}, m::kConcrete);
   for (const double y : pillar_y_)
     builder_.box({low.x(), y - 0.15, under + 0.12}, {high.x(), y + 0.15, hall_.height}, m::kConcrete);
+  // Coffers between them.
+  const double rib = hall_.height - kRib;
+  for (double x = low.x() + kCoffer; x < high.x(); x += kCoffer)
+    builder_.box({x - 0.06, low.y(), rib}, {x + 0.06, high.y(), hall_.height}, m::kConcrete);
+  for (double y = low.y() + kCoffer; y < high.y(); y += kCoffer)
+    builder_.box({low.x(), y - 0.06, rib}, {high.x(), y + 0.06, hall_.height}, m::kConcrete);
   if (hall_.clutter <= 0) return;
   RandomStream random = stream(1);
   for (double y = low.y() + 1.2; y < high.y() - 1; y += random.uniform(4, 9) / hall_.clutter) {
@@ -154,7 +162,7 @@ void HallBuilder::ceiling() {
   for (double y = aisle_ - 12 * std::floor((aisle_ - low.y()) / 12); y < high.y() - 0.5; y += 3) {
     if (y < low.y() + 0.5) continue;
     for (double x = low.x() + 2; x < high.x() - 2; x += 4.1)
-      builder_.box({x, y - 0.06, hall_.height - 0.1}, {x + 1.25, y + 0.06, hall_.height - 0.02}, m::kWhitePaint);
+      builder_.box({x, y - 0.06, rib - 0.08}, {x + 1.25, y + 0.06, rib + 0.02}, m::kWhitePaint);
   }
 }
 
