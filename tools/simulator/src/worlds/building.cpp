@@ -125,7 +125,8 @@ void add_roof(MeshBuilder& builder, RandomStream& random, const Building& b) {
                 m::kConcrete);
   }
   for (int k = 0; k < 3; ++k) {
-    const Vec2 at(random.uniform(0.4 - w, std::max(0.4 - w, w - 3)), random.uniform(-0.6 * d, 0.4 * d));
+    // In braces: every compiler draws from left to right.
+    const Vec2 at{random.uniform(0.4 - w, std::max(0.4 - w, w - 3)), random.uniform(-0.6 * d, 0.4 * d)};
     builder.box({at.x(), at.y(), z}, {at.x() + random.uniform(1, 2.5), at.y() + 1.4, z + random.uniform(0.8, 2.4)},
                 m::kMetal);
   }

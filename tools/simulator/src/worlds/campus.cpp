@@ -306,7 +306,8 @@ void Campus::add_park() {
   const Vec2 low = route_.low().array() - 28, high = route_.high().array() + 28;
   const int attempts = static_cast<int>((high - low).prod() / 45);
   for (int k = 0; k < attempts; ++k) {
-    const Vec2 at(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()));
+    // In braces: every compiler draws from left to right.
+    const Vec2 at{random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y())};
     const double kind = random.uniform(), size = random.uniform(), yaw = random.uniform(0, kPi),
                  keep = random.uniform();
     const Placement placement{Vec3(at.x(), at.y(), height(at)), yaw};

@@ -257,8 +257,9 @@ void HallBuilder::stair_cores() {
   RandomStream random = stream(31);
   const Vec2 &low = hall_.area.low, &high = hall_.area.high;
   for (int attempt = 0, built = 0; attempt < 200 && built < 2; ++attempt) {
-    const Vec2 half(random.uniform(1.5, 2.5), random.uniform(2, 3.2));
-    const Vec2 at(random.uniform(low.x() + 6, high.x() - 6), random.uniform(low.y() + 6, high.y() - 6));
+    // In braces: every compiler draws from left to right.
+    const Vec2 half{random.uniform(1.5, 2.5), random.uniform(2, 3.2)};
+    const Vec2 at{random.uniform(low.x() + 6, high.x() - 6), random.uniform(low.y() + 6, high.y() - 6)};
     // Among the bays, not across an aisle.
     const double strip = std::fmod(at.y() - aisle_ + 300 * hall_.grid_y, 3 * hall_.grid_y) / hall_.grid_y;
     if (strip < 1 || strip > 2 || !plot_.claim({at, half, 0}, 1.6)) continue;
@@ -275,7 +276,7 @@ void HallBuilder::floor_things() {
   const Vec2 &low = hall_.area.low, &high = hall_.area.high;
   const int things = static_cast<int>(0.012 * hall_.clutter * hall_.area.size().prod());
   for (int k = 0; k < things; ++k) {
-    const Vec2 at(random.uniform(low.x() + 1, high.x() - 1), random.uniform(low.y() + 1, high.y() - 1));
+    const Vec2 at{random.uniform(low.x() + 1, high.x() - 1), random.uniform(low.y() + 1, high.y() - 1)};
     const double kind = random.uniform(), size = random.uniform(0.25, 0.5), height = random.uniform(0.3, 1.1);
     const double yaw = random.uniform(-kHalfPi, kHalfPi);
     if (at.x() < low.x() + 8 && gate_near(at.y(), 0.5)) continue;
