@@ -72,8 +72,12 @@ TEST_CASE("every scene surrounds the sensor with returns", "[scenes]") {
     for (std::size_t index = 0; index < simulation.packet_count(); index += 1 + simulation.packet_count() / 15) {
       const SimulatedPacket packet = simulation.packet(index);
       CAPTURE(index);
-      CHECK(static_cast<double>(packet.packet.points.size()) >
-            (indoors ? 0.75 : 0.25) * static_cast<double>(packet.rays));
+      std::size_t met = 0;
+      for (const CellBlock& block : packet.blocks) met += block.cells.size() + block.people_rays;
+      // Indoors there is always a wall; what does not return was lost to the model: far floors and walls of long views.
+      const auto rays = static_cast<double>(packet.rays);
+      CHECK(static_cast<double>(met) > (indoors ? 0.99 : 0.4) * rays);
+      CHECK(static_cast<double>(packet.packet.points.size()) > (indoors ? 0.6 : 0.25) * rays);
     }
   }
 }
@@ -91,7 +95,8 @@ TEST_CASE("every scene is cast several times faster than it happens", "[scenes]"
     const double rays_per_s = static_cast<double>(rays) / cpu;
     WARN(file.stem().string() << ": " << rays_per_s * 1e-6 << " M rays/s, " << 0.1 * static_cast<double>(packets) / cpu
                               << " x real time, " << simulation.caster().mesh().triangles.size() << " triangles");
-    // Half of the aim of 5 x real time (1.2 M rays/s): other work may share the core.
-    CHECK(rays_per_s > 0.6e6);
+    // CPU time, so that other work on the machine counts little. 1.2 M rays/s are 5 x real time.
+    const bool indoors = file.stem().string().find("indoor") == 0;
+    CHECK(rays_per_s > (indoors ? 1.5e6 : 1.2e6));
   }
 }
