@@ -39,7 +39,7 @@ TEST_CASE("what is wrong in a scene file is named with its place", "[scene]") {
   CHECK_THAT(message(head + "sensor: aviia\n"), Contains("s.yaml:2:9") && Contains("avia"));
   CHECK_THAT(message(head + "wrold: {type: office}\n"), Contains("s.yaml:2:1") && Contains("world"));
   CHECK_THAT(message(head + "world: {type: campus, corridor_width: 2}\n"),
-             Contains("s.yaml:2:24") && Contains("corridor_width"));
+             Contains("s.yaml:2:23") && Contains("corridor_width"));
   CHECK_THAT(message(head + "route: [{x: 0, y: zero}]\n"), Contains("s.yaml:2:19"));
   CHECK_THAT(message(head + "imu: {preset: best}\n"), Contains("s.yaml:2:15") && Contains("datasheet"));
   CHECK_THAT(message(head), Contains("route"));
