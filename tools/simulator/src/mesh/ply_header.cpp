@@ -26,7 +26,8 @@ struct Header {
 bool next_line(std::ifstream& file, std::string& line) {
   std::string buffer(static_cast<std::size_t>(kMaxLine), '\0');
   if (!file.getline(buffer.data(), kMaxLine)) return false;
-  line.assign(buffer.c_str());
+  buffer.resize(buffer.find('\0'));  // getline() has ended it
+  line = std::move(buffer);
   if (line.ends_with('\r')) line.pop_back();
   return true;
 }

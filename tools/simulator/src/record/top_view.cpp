@@ -137,7 +137,7 @@ std::string TopView::png(const Crop& crop) const {
       const double level = shade(level_[pixel], 0.5), standing = shade(standing_[pixel], 0.35);
       for (std::size_t c = 0; c < 3; ++c) {
         const double below = kPaper[c] + level * (kLevel[c] - kPaper[c]);
-        pixels.push_back(static_cast<png_byte>(below + standing * (kStanding[c] - below) + 0.5));
+        pixels.push_back(static_cast<png_byte>(std::lround(below + standing * (kStanding[c] - below))));
       }
     }
   }

@@ -29,7 +29,8 @@ struct Way {
 /// The route in the frame of the way.
 Route in_way(const Route& route, const Way& way) {
   const std::vector<Vec2>& points = route.points();
-  const Vec2 start = points.front(), along = route.at(0).direction, across(-along.y(), along.x());
+  const Vec2& start = points.front();
+  const Vec2 along = route.at(0).direction, across(-along.y(), along.x());
   std::vector<Vec2> local;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vec2 p(along.dot(points[k] - start), across.dot(points[k] - start));

@@ -22,12 +22,12 @@ struct OfficeRoom {
 /// Office corridors 2-2.5 m wide along the route, rooms with doors beside them; also single rooms by coordinates
 /// (quickstart).
 struct OfficeParams {
-  std::int64_t seed = 1;        ///< of the layout and the clutter
-  double corridor_width = 2.2;  ///< each differs by up to 0.15 [m]
-  double height = 2.7;          ///< of the ceiling [m]
-  double room_density = 0.8;    ///< share of the places beside the corridors that have a door
-  double open_doors = 0.5;      ///< share of the doors that are open
-  double clutter = 1;           ///< things on the walls: 0 none, 1 usual
+  std::int64_t seed = 1;          ///< of the layout and the clutter
+  double corridor_width = 2.2;    ///< each differs by up to 0.15 [m]
+  double height = 2.7;            ///< of the ceiling [m]
+  double room_density = 0.8;      ///< share of the places beside the corridors that have a door
+  double open_doors = 0.5;        ///< share of the doors that are open
+  double clutter = 1;             ///< things on the walls: 0 none, 1 usual
   std::vector<OfficeRoom> rooms;  ///< grown where the route needs it; where it enters or leaves one there is a door
   static void describe(config::Binder& b, OfficeParams& params);
 };
