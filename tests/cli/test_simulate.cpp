@@ -134,7 +134,7 @@ TEST_CASE("arguments of a simulation that make no sense are refused with what wo
   };
   const Case cases[] = {{"--sensor", "avai", "unknown sensor 'avai' (did you mean 'avia'?); there are: avia, mid360"},
                         {"--sensor", "camera", "unknown sensor 'camera'; there are: avia, mid360, spin16"},
-                        {"--scale", "0.01", "'0.01' is out of range; give a number from 0.1 to 10"},
+                        {"--scale", "0.01", "'0.01' is out of range; give a number from 0.1 to 3"},
                         {"--scale", "big", "'big' is not a number"},
                         {"--scale", "nan", "'nan' is out of range"},
                         {"--threads", "0", "'0' is out of range; give a whole number from 1 to 256"},

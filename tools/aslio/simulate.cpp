@@ -109,7 +109,7 @@ std::string report(const simulator::RecordResult& r, const Arguments& a, const s
   fmt::format_to(out, "messages     {} of the LiDAR, {} of the IMU\n", r.packets, r.imu_samples);
   fmt::format_to(out, "points       {} of {} rays returned\n", r.points, r.rays);
   if (r.wall_s > 0) {
-    fmt::format_to(out, "speed        {:.2f} million rays/s, {:.1f}x real time, {:.1f} s in all\n",
+    fmt::format_to(out, "speed        {:.2f} million rays/s, {:.1f}x real time: {:.1f} s with all files written\n",
                    1e-6 * static_cast<double>(r.rays) / r.wall_s, r.data_s / r.wall_s, r.wall_s);
   }
   fmt::format_to(out, "bag          {}.bag, {:.1f} MB, SHA-256 {}\n", name, megabytes, r.bag_sha256);
@@ -133,6 +133,11 @@ int simulate(const Arguments& a) {
   options.scale = a.scale;
   if (!a.sensor.empty()) options.sensor = simulator::sensor_kind(a.sensor);
   const simulator::Simulation simulation(scene, options);
+  if (simulation.follow_error() > 0.05)
+    tell(
+        fmt::format("warning: follow: the motion is up to {:.3f} m from the poses of {}; a shorter "
+                    "follow.knot_interval follows closer",
+                    simulation.follow_error(), scene.scene.follow.file));
   create_folder(a.output);
   Monitor monitor(a.quiet, simulation.duration());
   simulator::RecordResult result;
@@ -163,7 +168,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--sensor", a.sensor, fmt::format("in place of the scene's: {}", fmt::join(sensor_names(), ", ")))
       ->check(one_of("sensor", sensor_names()));
   app.add_option("--scale", a.scale, "scales route and world; the loop stays closed")
-      ->check(number(0.1, 10))
+      ->check(number(simulator::kMinScale, simulator::kMaxScale))
       ->capture_default_str();
   app.add_option("--threads", a.threads, "threads; the files are the same for any number")
       ->check(whole_number(1, 256))

@@ -166,4 +166,7 @@ TEST_CASE("poses that cannot be followed are refused by their number") {
   poses = poses_at(10);
   poses[3].t = poses[2].t;
   CHECK_THROWS_WITH(follow_poses(poses, 0.1), Catch::Contains("goes back in time after 0.200 s (pose 3)"));
+  poses = poses_at(10);
+  for (std::size_t k = 5; k < poses.size(); ++k) poses[k].T.p.x() += 500;
+  CHECK_THROWS_WITH(follow_poses(poses, 0.1), Catch::Contains("jumps by 500 m in 0.100 s after 0.400 s (pose 5)"));
 }

@@ -257,3 +257,16 @@ TEST_CASE("a folder that cannot be written is named", "[record]") {
       record(recorded.simulation, recorded.scene, {recorded.folder / "file", 1, true, "quick"}, nullptr, result),
       Contains("file"));
 }
+
+TEST_CASE("a world that no ray meets is told with where it is, and is no dataset", "[record]") {
+  const aslio::test::TemporaryFolder folder;
+  folder.write("room.obj", simulator::test::kRoomObj);
+  const SceneFile scene =
+      load_scene(folder.write("far.yaml", simulator::test::quick_scene()), {"world.unit=0.001", "walk.height=5"});
+  const Simulation simulation(scene, {});
+  RecordResult result;
+  CHECK_THROWS_WITH(record(simulation, scene, {folder / "out", 1, true, "far"}, nullptr, result),
+                    Contains("room.obj: no ray has returned") && Contains("unit"));
+  CHECK_FALSE(fs::exists(folder / "out/dataset.yaml"));
+  CHECK_FALSE(fs::exists(folder / "out/far.bag"));
+}

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "aslio/core/errors.hpp"
 #include "aslio/simulator/simulation.hpp"
 #include "simulator/box_room.hpp"
 
@@ -85,9 +86,51 @@ TEST_CASE("the sensor file of a stress study differs from the sensor as told", "
 }
 
 TEST_CASE("cells are told apart on all sides of the origin", "[simulation]") {
-  CHECK(cell_key({0.01, 0.01, 0.01}) == cell_key({0.19, 0.19, 0.19}));
-  CHECK(cell_key({0.01, 0.01, 0.01}) != cell_key({-0.01, 0.01, 0.01}));
-  CHECK(cell_key({0.01, 0.01, 0.01}) != cell_key({0.01, 0.21, 0.01}));
-  CHECK(cell_key({0.01, 0.01, 0.01}) != cell_key({0.01, 0.01, -0.01}));
-  CHECK(cell_key({900, -900, 5}) == cell_key({900.1, -899.9, 5.1}));
+  // Faces at 0.0937, 0.0719, 0.0613 and every 0.2 m from there.
+  CHECK(cell_key({0.1, 0.08, 0.07}) == cell_key({0.29, 0.27, 0.26}));
+  CHECK(cell_key({0.1, 0.08, 0.07}) != cell_key({0.09, 0.08, 0.07}));
+  CHECK(cell_key({0.1, 0.08, 0.07}) != cell_key({0.1, 0.28, 0.07}));
+  CHECK(cell_key({0.1, 0.08, 0.07}) != cell_key({0.1, 0.08, 0.06}));
+  CHECK(cell_key({-0.1, -0.1, -0.1}) == cell_key({0.09, 0.07, 0.06}));
+  CHECK(cell_key({-0.1, -0.1, -0.1}) != cell_key({-0.11, -0.1, -0.1}));
+  CHECK(cell_key({900, -900, 5}) == cell_key({900.05, -899.95, 5.05}));
+}
+
+TEST_CASE("a surface at a round coordinate falls into one layer of cells", "[simulation]") {
+  // The last bit of a hit may say either side.
+  for (const double z : {0.0, 0.2, 2.0, -1.4, 2.7, 7.0, -6.0, 0.1}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 p = Vec3::Constant(0.5);
+      p[axis] = z;
+      Vec3 nudge = Vec3::Zero();
+      nudge[axis] = 1e-6;
+      CHECK(cell_key(p + nudge) == cell_key(p - nudge));
+    }
+  }
+}
+
+TEST_CASE("what a scene asks for and cannot have is told with its file", "[simulation]") {
+  const aslio::test::TemporaryFolder folder;
+  const auto message = [&](const std::string& more, double scale = 1) {
+    SimulationOptions options;
+    options.scale = scale;
+    try {
+      const Simulation simulation(simulator::test::room(folder, more), options);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  using Catch::Matchers::Contains;
+  CHECK_THAT(message("", 50), Contains("scale is 50"));
+  CHECK_THAT(message("", 0.1), Contains("room.yaml: ") && Contains("at scale 0.1"));
+}
+
+TEST_CASE("a motion too long for the memory is refused before it is simulated", "[simulation]") {
+  const aslio::test::TemporaryFolder folder;
+  folder.write("room.obj", simulator::test::kRoomObj);
+  const SceneFile scene =
+      load_scene(folder.write("long.yaml", simulator::test::room_scene("imu: {rate: 10000}\n")), {"walk.laps=1000"});
+  CHECK_THROWS_WITH(Simulation(scene, {}),
+                    Catch::Matchers::Contains("long.yaml: ") && Catch::Matchers::Contains("walk.laps"));
 }

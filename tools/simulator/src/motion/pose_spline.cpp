@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kOrder = 6;                ///< coefficients that act on one piece
 constexpr std::size_t kFewestPoses = 6;  ///< what a single piece needs
+constexpr double kFastest = 100;         ///< [m/s]
 constexpr double kLargestTurn =
     std::numbers::pi / 2;         ///< between two poses [rad]; far from where the short way is in doubt
 constexpr double kWidestGap = 2;  ///< between two poses, in knot intervals
@@ -95,6 +96,11 @@ void check(std::span<const StampedPose> poses, double knot_interval) {
           fmt::format("the trajectory to follow has a gap of {:.3f} s after {:.3f} s (pose {}); follow.knot_interval "
                       "{:g} s bridges at most {:g} s: make it longer",
                       gap, at, k, knot_interval, kWidestGap * knot_interval));
+    const double distance = (poses[k].T.p - poses[k - 1].T.p).norm();
+    if (distance > kFastest * gap)
+      throw DataError(fmt::format(
+          "the trajectory to follow jumps by {:.3g} m in {:.3f} s after {:.3f} s (pose {}), faster than {:g} m/s",
+          distance, gap, at, k, kFastest));
     const double turn = log_so3(poses[k - 1].T.R.transpose() * poses[k].T.R).norm();
     if (turn > kLargestTurn)
       throw DataError(fmt::format(
@@ -172,10 +178,10 @@ std::unique_ptr<Motion> follow_poses(std::span<const StampedPose> poses, double 
   return motion;
 }
 
-std::unique_ptr<Motion> follow_file(const std::filesystem::path& path, double knot_interval) {
+std::unique_ptr<Motion> follow_file(const std::filesystem::path& path, double knot_interval, double* fit_error) {
   const std::vector<StampedPose> poses = io::read_tum(path);
   try {
-    return follow_poses(poses, knot_interval);
+    return follow_poses(poses, knot_interval, fit_error);
   } catch (const DataError& error) {
     throw DataError(fmt::format("{}: {}", path.string(), error.what()));
   }

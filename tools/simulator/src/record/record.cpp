@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <system_error>
@@ -96,6 +97,19 @@ bool cast_all(const Simulation& simulation, Recording& recording, int threads, c
   return true;
 }
 
+/// The usual reason is a mesh in another unit or another frame than the motion.
+DataError nothing_returned(const Simulation& simulation, const Trajectory& truth) {
+  Eigen::AlignedBox3d path, world;
+  for (const StampedPose& pose : truth.samples()) path.extend(pose.T.p);
+  for (const Eigen::Vector3f& vertex : simulation.caster().mesh().vertices) world.extend(vertex.cast<double>());
+  const auto text = [](const Vec3& p) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z()); };
+  return DataError(fmt::format(
+      "{}: no ray has returned: the path runs from {} to {} [m], the world reaches from {} to {}; give motion and mesh "
+      "the same frame and unit",
+      simulation.scene().world.mesh.file.empty() ? "scene" : simulation.scene().world.mesh.file, text(path.min()),
+      text(path.max()), text(world.min()), text(world.max())));
+}
+
 }  // namespace
 
 bool record(const Simulation& simulation, const SceneFile& scene, const RecordOptions& options,
@@ -110,6 +124,7 @@ bool record(const Simulation& simulation, const SceneFile& scene, const RecordOp
   result.path_length_m = truth.path_length();
   Recording recording(simulation, truth, options, result);
   if (!cast_all(simulation, recording, options.threads, progress)) return false;
+  if (result.points == 0) throw nothing_returned(simulation, truth);
   recording.close();
   io::write_tum(options.folder / "truth.tum", truth.samples());
   write_truth_table(simulation, options.folder / "truth.csv");

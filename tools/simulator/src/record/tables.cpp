@@ -132,7 +132,7 @@ std::string scene_file(const Simulation& simulation, const SceneFile& scene) {
 
 std::string dataset_file(const Simulation& simulation, const std::string& name) {
   const MotionState begin = simulation.motion().at(0), end = simulation.motion().at(simulation.duration());
-  const bool closed = (begin.p - end.p).norm() < 1e-9 && (begin.R - end.R).norm() < 1e-9;
+  const bool closed = (begin.p - end.p).norm() < 1e-3 && log_so3(begin.R.transpose() * end.R).norm() < 1.75e-3;
   return fmt::format(
       "schema: aslio/dataset/1\n"
       "name: {}\n"

@@ -15,7 +15,8 @@ namespace aslio::simulator {
 namespace {
 
 constexpr double kTruthRate = 200;  ///< [Hz]
-constexpr double kMinScale = 0.1, kMaxScale = 10;
+/// About 0.5 GB: samples, biases and poses are kept.
+constexpr double kMostSamples = 4e6;
 
 std::filesystem::path beside(const SceneFile& scene, const std::string& file) {
   return std::filesystem::path(file).is_absolute() ? std::filesystem::path(file) : scene.path.parent_path() / file;
@@ -88,9 +89,10 @@ SensorModel with_errors(SensorModel sensor, const StressParams& stress, std::uin
 }  // namespace
 
 std::uint64_t cell_key(const Vec3& p_W) {
+  static const Vec3 kCorner(0.0937, 0.0719, 0.0613);
   std::uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<std::int64_t>(std::floor(p_W[axis] / kOverlapCell));
+    const auto cell = static_cast<std::int64_t>(std::floor((p_W[axis] - kCorner[axis]) / kOverlapCell));
     key = key << 21U | (static_cast<std::uint64_t>(cell + (1 << 20)) & 0x1fffffU);
   }
   return key;
@@ -100,21 +102,38 @@ Simulation::Simulation(const SceneFile& file, const SimulationOptions& options)
     : scene_(file.scene), options_(options), kind_(options.sensor.value_or(file.scene.sensor)) {
   if (!(options.scale >= kMinScale && options.scale <= kMaxScale))
     throw ConfigError(fmt::format("scale is {}, must be in [{}, {}]", options.scale, kMinScale, kMaxScale));
-  route_ = scaled_route(file, options.scale);
-  World world = build_world(file, route_.get(), options.scale);
+  try {
+    build(file);
+  } catch (const ConfigError& error) {
+    const std::string place = file.path.string();
+    const std::string scaled = options.scale == 1 ? "" : fmt::format(" (at scale {:g})", options.scale);
+    if (std::string_view(error.what()).starts_with(place)) throw;
+    throw ConfigError(fmt::format("{}: {}{}", place, error.what(), scaled));
+  }
+}
+
+void Simulation::build(const SceneFile& file) {
+  route_ = scaled_route(file, options_.scale);
+  World world = build_world(file, route_.get(), options_.scale);
   ground_ = std::move(world.ground);
   caster_ = std::make_unique<Caster>(std::move(world.mesh));
   if (route_) {
-    motion_ = make_route_walk(*route_, ground_, scene_.walk, options.seed);
-    people_ = People(scene_.people, *route_, ground_, *motion_, options.seed);
+    motion_ = make_route_walk(*route_, ground_, scene_.walk, options_.seed);
+    people_ = People(scene_.people, *route_, ground_, *motion_, options_.seed);
   } else {
-    motion_ = follow_file(beside(file, scene_.follow.file), scene_.follow.knot_interval);
+    motion_ = follow_file(beside(file, scene_.follow.file), scene_.follow.knot_interval, &follow_error_);
   }
   pattern_ = make_scan_pattern(kind_);
   const ImuModel model = imu_model(scene_.imu);
   sensor_ = true_sensor(kind_, scene_.lidar, model);
-  claimed_sensor_ = with_errors(sensor_, scene_.stress, options.seed);
-  imu_ = simulate_imu(*motion_, options.begin, motion_->duration(), model, options.seed);
+  claimed_sensor_ = with_errors(sensor_, scene_.stress, options_.seed);
+  const double samples = motion_->duration() * std::max(model.rate, kTruthRate);
+  if (samples > kMostSamples)
+    throw ConfigError(
+        fmt::format("the motion lasts {:.0f} s: {:.3g} samples at {:g} Hz, at most {:g} fit into memory; "
+                    "give fewer walk.laps, a shorter route or a lower imu.rate",
+                    motion_->duration(), samples, std::max(model.rate, kTruthRate), kMostSamples));
+  imu_ = simulate_imu(*motion_, options_.begin, motion_->duration(), model, options_.seed);
 }
 
 Simulation::~Simulation() = default;

@@ -37,10 +37,13 @@ using RecordProgress = std::function<bool(double)>;
 ///                  earlier block had hit (nan without such rays); rays on people
 ///   sensor.yaml    sensor file that fits the bag
 ///   scene.yaml     the scene with every key at its effective value, files by absolute path; seed and scale in a
-///   comment preview.svg    top view of the accumulated true cloud with the path, start, scale bar dataset.yaml dataset
-///   file (schema: aslio/dataset/1)
+///                  comment
+///   preview.svg    top view of the accumulated true cloud with the path, start, scale bar
+///   dataset.yaml   dataset file (schema: aslio/dataset/1); a motion that ends within 1 mm and 0.1 deg of its start is
+///   a
+///                  closed loop
 /// Stopped by `progress`, nothing but whole files remains and false is returned. Throws DataError naming the path for
-/// what cannot be written.
+/// what cannot be written, and when no ray has returned (a mesh in another unit or frame).
 bool record(const Simulation& simulation, const SceneFile& scene, const RecordOptions& options,
             const RecordProgress& progress, RecordResult& result);
 

@@ -14,15 +14,17 @@
 
 namespace aslio::simulator {
 
+inline constexpr double kMinScale = 0.1, kMaxScale = 3;
+
 struct SimulationOptions {
   std::uint64_t seed = 1;  ///< noise, biases, people, turn times and gait; the world has its own
   std::optional<SensorKind> sensor = std::nullopt;  ///< instead of the scene's
-  double scale = 1;                                 ///< positions of route and world; in [0.1, 10]
+  double scale = 1;                                 ///< positions of route and world; in [kMinScale, kMaxScale]
   TimeNs begin = 1'700'000'000 * kSecond;           ///< data time of the first measurement
 };
 
-/// Rays of 10 ms and the cells (edge 0.2 m, keys as in cell_key()) that those on the static world hit, before any noise
-/// or loss, in the order of the beams.
+/// Rays of 10 ms and the cells (keys as in cell_key()) that those on the static world hit, where they really went:
+/// with the angular noise of the beam, before range noise and losses. In the order of the beams.
 struct CellBlock {
   TimeNs begin = 0;
   std::vector<std::uint64_t> cells;
@@ -37,9 +39,10 @@ struct SimulatedPacket {
   std::vector<Eigen::Vector3f> view;  ///< exact hits on the static world [m], in W, of one firing in eight
 };
 
-/// Edge of the cells of true overlap [m] (METHODS: 0.2 m voxels).
+/// Edge of the cells of true overlap [m].
 inline constexpr double kOverlapCell = 0.2;
-/// Cell of a point, 21 bits per axis.
+/// Cell of a point, 21 bits per axis. The faces of the cells lie off round numbers: floors and walls that lay in a face
+/// would be cut in two by the last bit of a coordinate, and be unknown twice.
 std::uint64_t cell_key(const Vec3& p_W);
 
 /// Thread-safe: const after construction.
@@ -61,6 +64,8 @@ class Simulation {
   const Caster& caster() const { return *caster_; }
   const Ground& ground() const { return ground_; }
   const People& people() const { return people_; }
+  /// Largest distance between the motion and a pose it follows [m]; 0 for routes.
+  double follow_error() const { return follow_error_; }
   /// Only for scenes with a route.
   const Route* route() const { return route_.get(); }
   const ScanPattern& pattern() const { return *pattern_; }
@@ -79,12 +84,15 @@ class Simulation {
   SimulatedPacket packet(std::size_t index) const;
 
  private:
+  void build(const SceneFile& file);
+
   Scene scene_;
   SimulationOptions options_;
   SensorKind kind_;
   SensorModel sensor_, claimed_sensor_;
   std::unique_ptr<Route> route_;
   std::unique_ptr<Motion> motion_;
+  double follow_error_ = 0;
   std::unique_ptr<Caster> caster_;
   Ground ground_;
   People people_;
