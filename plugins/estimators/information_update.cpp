@@ -20,7 +20,7 @@ Columns information_gain(const StateMatrix& P, const Mat6& A) {
 StateVector box_minus(const NavState& x, const NavState& reference) {
   StateVector d;
   d << log_so3(reference.R.transpose() * x.R), x.p - reference.p, x.v - reference.v, x.b_w - reference.b_w,
-      x.b_a - reference.b_a, x.g - reference.g;
+      x.b_a - reference.b_a, x.g - reference.g, (x.S_w - reference.S_w).reshaped(), x.imu_delay - reference.imu_delay;
   return d;
 }
 
@@ -32,6 +32,8 @@ NavState box_plus(const NavState& x, const StateVector& delta, bool unit_gravity
   y.b_w += delta.segment<3>(block::b_w);
   y.b_a += delta.segment<3>(block::b_a);
   y.g += delta.segment<3>(block::g);
+  y.S_w += delta.segment<9>(block::s).reshaped(3, 3);
+  y.imu_delay += delta[block::d];
   if (unit_gravity) y.g *= x.g.norm() / y.g.norm();
   return y;
 }

@@ -1,7 +1,7 @@
 #pragma once
-/// The update of an error-state Kalman filter in information form, without any 18 x 18 inverse: all LiDAR information
-/// lives in the top-left 6 x 6 block of the error state (docs/equations.md IESKF-1 .. IESKF-7; AS-LIO (11)-(13)
-/// corrected).
+/// The update of an error-state Kalman filter in information form, without any inverse of the state's size: all LiDAR
+/// information lives in the top-left 6 x 6 block of the error state (docs/equations.md IESKF-1 .. IESKF-7; AS-LIO
+/// (11)-(13) corrected).
 
 #include <Eigen/Geometry>
 #include <optional>
@@ -40,7 +40,7 @@ struct PoseInformation {
   Mat6 full() const { return A.selfadjointView<Eigen::Lower>(); }
 };
 
-/// x [-] x_hat for the error state (theta, p, v, b_w, b_a, g).
+/// x [-] x_hat for the error state (theta, p, v, b_w, b_a, g, s, d).
 StateVector box_minus(const NavState& x, const NavState& reference);
 /// x [+] delta. With `unit_gravity` the length of g is kept (S^2 up to second order).
 NavState box_plus(const NavState& x, const StateVector& delta, bool unit_gravity);

@@ -7,15 +7,14 @@ namespace aslio::plugins {
 namespace {
 
 ImuTransition transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
-  const double dt = to_seconds(to.t - from.t);
-  const Vec3 turn = dt * (0.5 * (from.gyro + to.gyro) - before.b_w);
-  const Vec3 a = 0.5 * (from.acc + to.acc) - before.b_a;
-  ImuTransition f;
-  f.dt = dt;
+  const MeanInput u(before, from, to);
+  const double dt = u.dt;
+  const Vec3 turn = dt * u.w;
+  ImuTransition f(u);
   f.position_factor = 0.0;
   f.theta_theta = exp_so3(-turn);
   f.theta_bw = -dt * right_jacobian_so3(turn);
-  f.v_theta = -dt * before.R * hat(a);
+  f.v_theta = -dt * before.R * hat(u.a);
   f.v_bw = Mat3::Zero();
   f.v_ba = -dt * before.R;
   return f;
@@ -34,13 +33,12 @@ ImuEuler::ImuEuler(const Params& params, const BuildContext& context) {
 }
 
 MotionSegment ImuEuler::step(NavState& state, const ImuSample& from, const ImuSample& to) const {
-  const double dt = to_seconds(to.t - from.t);
-  const Vec3 w = 0.5 * (from.gyro + to.gyro) - state.b_w;
-  const Vec3 a_W = state.R * (0.5 * (from.acc + to.acc) - state.b_a) + state.g;  // eq. MOT-4
-  const MotionSegment segment{from.t, dt, state.R, state.p, state.v, w, a_W};
-  state.R = orthonormalised(state.R * exp_so3(dt * w));
-  state.p += dt * state.v;
-  state.v += dt * a_W;
+  const MeanInput u(state, from, to);
+  const Vec3 a_W = state.R * u.a + state.g;  // eq. MOT-4
+  const MotionSegment segment{from.t, u.dt, state.R, state.p, state.v, u.w, a_W};
+  state.R = orthonormalised(state.R * exp_so3(u.dt * u.w));
+  state.p += u.dt * state.v;
+  state.v += u.dt * a_W;
   state.t = to.t;
   return segment;
 }

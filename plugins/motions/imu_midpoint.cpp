@@ -6,22 +6,11 @@ namespace aslio::plugins {
 
 namespace {
 
-/// Mean rate and specific force of an interval, bias-corrected.
-struct MeanInput {
-  double dt;
-  Vec3 w, a;
-};
-
-MeanInput mean_input(const NavState& state, const ImuSample& from, const ImuSample& to) {
-  return {to_seconds(to.t - from.t), 0.5 * (from.gyro + to.gyro) - state.b_w, 0.5 * (from.acc + to.acc) - state.b_a};
-}
-
 ImuTransition transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
-  const MeanInput u = mean_input(before, from, to);
+  const MeanInput u(before, from, to);
   const Vec3 half_turn = 0.5 * u.dt * u.w;
   const Mat3 R_mid = before.R * exp_so3(half_turn);
-  ImuTransition f;
-  f.dt = u.dt;
+  ImuTransition f(u);
   f.position_factor = 0.5 * u.dt;
   f.theta_theta = exp_so3(-u.dt * u.w);
   f.theta_bw = -u.dt * right_jacobian_so3(u.dt * u.w);
@@ -44,7 +33,7 @@ ImuMidpoint::ImuMidpoint(const Params& params, const BuildContext& context) {
 }
 
 MotionSegment ImuMidpoint::step(NavState& state, const ImuSample& from, const ImuSample& to) const {
-  const MeanInput u = mean_input(state, from, to);
+  const MeanInput u(state, from, to);
   // eq. MOT-1: rotate the force by the attitude in the middle; the start attitude would lag by half a step.
   const Vec3 a_W = state.R * (exp_so3(0.5 * u.dt * u.w) * u.a) + state.g;
   const MotionSegment segment{from.t, u.dt, state.R, state.p, state.v, u.w, a_W};

@@ -6,7 +6,7 @@ namespace {
 
 using Rows = Eigen::Matrix<double, 3, kStateDim>;
 
-/// theta, p and v rows of F X for an 18 x 18 X whose rows are blocks of the error state.
+/// theta, p and v rows of F X for a square X whose rows are blocks of the error state.
 struct MovedRows {
   Rows theta, p, v;
 };
@@ -14,14 +14,17 @@ struct MovedRows {
 MovedRows moved_rows(const ImuTransition& f, const StateMatrix& X) {
   const auto x_theta = X.middleRows<3>(block::theta);
   const auto x_v = X.middleRows<3>(block::v);
-  const auto x_bw = X.middleRows<3>(block::b_w);
+  Rows x_bw = X.middleRows<3>(block::b_w);
+  for (int c = 0; c < 3; ++c) x_bw += f.w_measured[c] * X.middleRows<3>(block::s + 3 * c);
+  x_bw -= f.w_change * X.row(block::d);
+  const Rows x_ba = X.middleRows<3>(block::b_a) - f.a_change * X.row(block::d);
   MovedRows out;
   out.theta.noalias() = f.theta_theta * x_theta;
   out.theta.noalias() += f.theta_bw * x_bw;
   Rows increment = f.dt * X.middleRows<3>(block::g);
   increment.noalias() += f.v_theta * x_theta;
   increment.noalias() += f.v_bw * x_bw;
-  increment.noalias() += f.v_ba * X.middleRows<3>(block::b_a);
+  increment.noalias() += f.v_ba * x_ba;
   out.v = x_v + increment;
   out.p = X.middleRows<3>(block::p) + f.dt * x_v + f.position_factor * increment;
   return out;
@@ -34,6 +37,14 @@ void assign_rows(const MovedRows& rows, StateMatrix& X) {
 }
 
 }  // namespace
+
+MeanInput::MeanInput(const NavState& state, const ImuSample& from, const ImuSample& to)
+    : dt(to_seconds(to.t - from.t)),
+      w_measured(0.5 * (from.gyro + to.gyro)),
+      w_change(dt > 0 ? Vec3((to.gyro - from.gyro) / dt) : Vec3::Zero()),
+      a_change(dt > 0 ? Vec3((to.acc - from.acc) / dt) : Vec3::Zero()),
+      w(w_measured - state.b_w - state.S_w * w_measured + state.imu_delay * w_change),
+      a(0.5 * (from.acc + to.acc) - state.b_a + state.imu_delay * a_change) {}
 
 void ImuTransition::apply(const ImuNoise& noise, StateMatrix& P) const {
   // P <- F P F^T: F acts on rows, then (P symmetric) on the rows of the transpose.

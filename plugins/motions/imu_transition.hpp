@@ -1,13 +1,27 @@
 #pragma once
 /// First-order transition of one IMU interval in block form, shared by the IMU motion models: only the blocks that are
-/// neither zero nor identity are stored, so that propagating P costs a few 3x18 products.
+/// neither zero nor identity are stored, so that propagating P costs a few 3x28 products.
 
 #include "aslio/stages/motion.hpp"
 
 namespace aslio::plugins {
 
-/// Error order (theta, p, v, b_w, b_a, g); noise order (n_w, n_a, n_bw, n_ba). docs/equations.md MOT-2.
+/// Mean input of one interval (docs/equations.md MOT-6): what the samples say, and what the state makes of it.
+struct MeanInput {
+  MeanInput(const NavState& state, const ImuSample& from, const ImuSample& to);
+
+  double dt;        ///< [s]
+  Vec3 w_measured;  ///< mean of the two samples [rad/s]
+  Vec3 w_change;    ///< rate of change of the measured rate [rad/s^2]
+  Vec3 a_change;    ///< rate of change of the measured specific force [m/s^3]
+  Vec3 w, a;        ///< rate and specific force without bias, sensitivity error and delay
+};
+
+/// Error order (theta, p, v, b_w, b_a, g, s, d); noise order (n_w, n_a, n_bw, n_ba). docs/equations.md MOT-2.
 struct ImuTransition {
+  explicit ImuTransition(const MeanInput& input)
+      : dt(input.dt), w_measured(input.w_measured), w_change(input.w_change), a_change(input.a_change) {}
+
   double dt = 0;
   double position_factor = 0;  ///< the p rows are this times the v rows, plus I and I dt: dt/2 (midpoint) or 0 (Euler)
   Mat3 theta_theta;            ///< Exp(-w dt)
@@ -15,6 +29,8 @@ struct ImuTransition {
   Mat3 v_theta;
   Mat3 v_bw;  ///< also v_nw
   Mat3 v_ba;  ///< -R_m dt; also v_na
+  // S_w acts as a gyro bias S_w w_measured, the delay d as biases -d w_change and -d a_change.
+  Vec3 w_measured, w_change, a_change;
 
   void apply(const ImuNoise& noise, StateMatrix& P) const;
   void dense(StateMatrix& F, Eigen::Matrix<double, kStateDim, 12>& G) const;

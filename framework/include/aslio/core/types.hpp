@@ -33,7 +33,7 @@ struct TimedPoint {
 };
 
 /// State of the IMU frame at `t` in the world W (gravity-aligned, origin at initialisation).
-/// Error order (theta, p, v, b_w, b_a, g), 18 dimensions.
+/// Error order (theta, p, v, b_w, b_a, g, s, d), 28 dimensions; s is S_w column by column.
 struct NavState {
   TimeNs t = 0;
   Mat3 R = Mat3::Identity();  ///< R_W_I
@@ -42,6 +42,9 @@ struct NavState {
   Vec3 b_w = Vec3::Zero();    ///< gyro bias [rad/s]
   Vec3 b_a = Vec3::Zero();    ///< accelerometer bias [m/s^2]
   Vec3 g = Vec3(0, 0, -kStandardGravity);
+  /// The gyro measures (I + S_w) w + b_w: errors of its scale factors on the diagonal, cross-axis terms beside it.
+  Mat3 S_w = Mat3::Zero();
+  double imu_delay = 0;  ///< an IMU sample tells of the motion this long before its stamp [s]
 
   Pose pose() const { return {R, p}; }
 };

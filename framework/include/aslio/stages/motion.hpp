@@ -11,13 +11,13 @@
 
 namespace aslio {
 
-inline constexpr int kStateDim = 18;
+inline constexpr int kStateDim = 28;
 using StateVector = Eigen::Matrix<double, kStateDim, 1>;
 using StateMatrix = Eigen::Matrix<double, kStateDim, kStateDim>;
 
-/// Offsets of the blocks of the error state (theta, p, v, b_w, b_a, g).
+/// Offsets of the blocks of the error state (theta, p, v, b_w, b_a, g, s, d).
 namespace block {
-inline constexpr int theta = 0, p = 3, v = 6, b_w = 9, b_a = 12, g = 15;
+inline constexpr int theta = 0, p = 3, v = 6, b_w = 9, b_a = 12, g = 15, s = 18, d = 27;
 }
 
 /// Noise of one IMU interval as discrete per-sample variances of (n_w, n_a, n_bw, n_ba), isotropic per block. A
@@ -47,8 +47,8 @@ struct MotionSegment {
 };
 
 /// Contract. step() advances the state over one interval between two consecutive IMU samples and returns the segment it
-/// assumed; linearise() gives the exact first-order transition of that step for the error (theta, p, v, b_w, b_a, g):
-/// F (18x18) and G Q G^T added to P by propagate_covariance(). Stateless; thread-safe; no allocation.
+/// assumed; linearise() gives the exact first-order transition of that step for the error (theta, p, v, b_w, b_a, g, s, d):
+/// F (28x28) and G Q G^T added to P by propagate_covariance(). Stateless; thread-safe; no allocation.
 class MotionModel : public Stage {
  public:
   static constexpr std::string_view family = "motions";
