@@ -1,5 +1,6 @@
 #include "aslio/plugin/registry.hpp"
 #include "stores/flat_hash.hpp"
+#include "stores/nested_hash.hpp"
 
 namespace aslio::plugins {
 
@@ -7,6 +8,7 @@ void register_stores(plugin::Registry<OccupancyStore>& registry);
 
 void register_stores(plugin::Registry<OccupancyStore>& registry) {
   registry.add<FlatHash>("flat_hash", "Packed cells in one open-addressing table, searched shell by shell.");
+  registry.add<NestedHash>("nested_hash", "Hash of x to y to z, as in the paper (AS-LIO).");
 }
 
 }  // namespace aslio::plugins
