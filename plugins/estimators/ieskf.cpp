@@ -13,13 +13,19 @@ namespace {
 
 constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr double kLeverArm = 5.0;  // [m], turns radians into metres when directions are compared
+constexpr int kVelocityUpdates = 5;  // of a dynamic start
+constexpr double kLeverArm = 5.0;    // [m], turns radians into metres when directions are compared
 
 }  // namespace
 
 void Ieskf::describe(config::Binder& b, Params& p) {
-  b.choice("gravity", p.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
+  b.choice("gravity", p.estimated.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
            "what of gravity is estimated: its direction, all three components, or nothing");
+  b.choice("gyro_calibration", p.estimated.gyro_calibration,
+           {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
+           "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
+           "(0.5 %), too");
+  b.flag("time_offset", p.estimated.time_offset, "estimate the delay of the IMU (prior 3 ms)");
   b.choice("noise", p.noise,
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
@@ -59,22 +65,10 @@ Ieskf::Ieskf(const Params& params, const BuildContext& context)
 }
 
 void Ieskf::reset(const InitialState& initial) {
+  initial_ = initial;
+  velocity_updates_ = 0;
   state_ = initial.state;
-  P_.setZero();
-  // The world is defined by the first pose, so pose errors start at zero and the error of the measured vertical is one
-  // of g.
-  P_.diagonal().segment<3>(block::theta).setConstant(1e-8);
-  P_.diagonal().segment<3>(block::p).setConstant(1e-8);
-  P_.diagonal().segment<3>(block::v).setConstant(initial.sigma_velocity * initial.sigma_velocity);
-  P_.diagonal().segment<3>(block::b_w).setConstant(initial.sigma_gyro_bias * initial.sigma_gyro_bias);
-  P_.diagonal().segment<3>(block::b_a).setConstant(initial.sigma_acc_bias * initial.sigma_acc_bias);
-  if (params_.gravity != Gravity::fixed) {
-    const double g = state_.g.norm();
-    const Vec3 up = state_.g / g;
-    Mat3 spread = initial.sigma_tilt * initial.sigma_tilt * g * g * (Mat3::Identity() - up * up.transpose());
-    if (params_.gravity == Gravity::free) spread += 1e-4 * up * up.transpose();
-    P_.block<3, 3>(block::g, block::g) = spread;
-  }
+  P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
   accepted_t_ = kTimeMin;
   result_ = Update{};
 }
@@ -225,7 +219,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const StateMatrix P = transported_covariance(P_, d.head<3>());
     const StateVector delta = iteration_step(P, A_all, b_all, d);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
-    x = box_plus(x, delta, params_.gravity != Gravity::free);
+    x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);
     const double turn = delta.segment<3>(block::theta).norm() / kRadPerDeg;
     const double shift = delta.segment<3>(block::p).norm();
     const bool converged = turn < params_.converged_deg && shift < params_.converged_m;
@@ -263,9 +257,26 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   P_ = P;
   result_.accepted = true;
   result_.insert = true;
+  if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
   accepted_t_ = state_.t;
   accepted_position_variance_ = P_.diagonal().segment<3>(block::p).maxCoeff();
   accepted_tilt_variance_ = P_.diagonal().segment<3>(block::theta).maxCoeff();
+}
+
+/// eq. INI-3: the first windows were de-skewed with a wrong velocity; their displacements must not pass for
+/// acceleration.
+void Ieskf::find_velocity_alone() {
+  constexpr double shrink = 0.4, least = 0.05;  // least: [m/s]
+  ++velocity_updates_;
+  const NavState& start = initial_.state;
+  state_.b_w = start.b_w;
+  state_.b_a = start.b_a;
+  state_.g = start.g;
+  state_.S_w = start.S_w;
+  state_.imu_delay = start.imu_delay;
+  P_ = initial_covariance(initial_, params_.estimated,
+                          std::max(least, initial_.sigma_velocity * std::pow(shrink, velocity_updates_)));
+  result_.restart_map = true;
 }
 
 bool Ieskf::dead_reckoning_is_good() const {

@@ -4,21 +4,23 @@
 #include "aslio/stages/build_context.hpp"
 #include "estimators/frame.hpp"
 #include "estimators/information_update.hpp"
+#include "estimators/initial_covariance.hpp"
 
 namespace aslio::plugins {
 
-/// Iterated error-state Kalman filter over one window: AS-LIO (9)-(13), FAST-LIO2. 18-dim error state (theta, p, v,
-/// b_w, b_a, g), information form; fresh points are de-skewed to the end of the window with the IMU prediction, history
+/// Iterated error-state Kalman filter over one window: AS-LIO (9)-(13), FAST-LIO2. error state (theta, p, v, b_w, b_a,
+/// g, s, d), information form; fresh points are de-skewed to the end of the window with the IMU prediction, history
 /// points enter at the world position their own update gave them, seen from the predicted pose (docs/equations.md
 /// IESKF-*, HIS-*).
 class Ieskf final : public Estimator {
  public:
-  enum class Gravity : std::uint8_t { s2, free, fixed };
+  using Gravity = EstimatedStates::Gravity;
+  using GyroCalibration = EstimatedStates::GyroCalibration;
   enum class Noise : std::uint8_t { fastlio, physical, rate_scaled };
   enum class Association : std::uint8_t { every_iteration, on_convergence, once };
 
   struct Params {
-    Gravity gravity = Gravity::s2;
+    EstimatedStates estimated;
     Noise noise = Noise::fastlio;
     Association association = Association::every_iteration;
     std::int64_t max_iterations = 4;
@@ -58,6 +60,7 @@ class Ieskf final : public Estimator {
     PoseInformation fresh, history;
   };
 
+  void find_velocity_alone();
   void propagate(const Window& window);
   ImuNoise noise_of(const ImuSample& from, const ImuSample& to) const;
   void reserve(std::size_t fresh, std::size_t history);
@@ -77,6 +80,8 @@ class Ieskf final : public Estimator {
   std::unique_ptr<MotionModel> motion_;
   std::unique_ptr<Residual> residual_;
 
+  InitialState initial_;
+  int velocity_updates_ = 0;  ///< accepted updates of a dynamic start
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
   // Growth of the uncertainty since the last accepted update decides how long dead reckoning may extend the map.

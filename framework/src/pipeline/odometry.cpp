@@ -65,6 +65,7 @@ class Odometry::Loop {
     }
     if (update.insert) {
       const CpuTimer timer(record.times.insert);
+      if (update.restart_map) map_->clear();
       record.inserted = insertion_->apply(window, update, *map_);
       overlaps_->extend(update.points(Tap::overlap), plan.end);
       map_->trim(update.state.p);

@@ -53,10 +53,11 @@ struct StageTimes {
 /// Result of one update. Owned by the estimator, valid until its next update; spans point into it.
 struct Update {
   UpdateStatus status = UpdateStatus::initialising;
-  bool accepted = false;  ///< the state was corrected by this window's points
-  bool insert = true;     ///< the points may enter map, overlap and history (false: refused step)
-  NavState prior;         ///< at the end of the window, propagated
-  NavState state;         ///< posterior (equals the prior when not accepted)
+  bool accepted = false;     ///< the state was corrected by this window's points
+  bool insert = true;        ///< the points may enter map, overlap and history (false: refused step)
+  bool restart_map = false;  ///< the map is to begin anew with these points: what it holds was placed too badly
+  NavState prior;            ///< at the end of the window, propagated
+  NavState state;            ///< posterior (equals the prior when not accepted)
   StateMatrix P = StateMatrix::Zero();
   std::array<double, 6> spectrum{};  ///< eigenvalues of the pose information (theta, p) of the fresh points, ascending
   int iterations = 0;

@@ -1,0 +1,42 @@
+#include "estimators/initial_covariance.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+// Data-sheet limits of MEMS gyros such as the BMI088, taken as standard deviations.
+constexpr double kScaleSigma = 0.01;   // of each axis
+constexpr double kCrossSigma = 0.005;  // of each cross-axis term
+constexpr double kDelaySigma = 0.003;  // [s]
+
+}  // namespace
+
+StateMatrix initial_covariance(const InitialState& initial, const EstimatedStates& estimated, double sigma_velocity) {
+  StateMatrix P = StateMatrix::Zero();
+  // The world is defined by the first pose, so pose errors start at zero and the error of the measured vertical is one
+  // of g.
+  P.diagonal().segment<3>(block::theta).setConstant(1e-8);
+  P.diagonal().segment<3>(block::p).setConstant(1e-8);
+  P.diagonal().segment<3>(block::v).setConstant(sigma_velocity * sigma_velocity);
+  P.diagonal().segment<3>(block::b_w).setConstant(initial.sigma_gyro_bias * initial.sigma_gyro_bias);
+  P.diagonal().segment<3>(block::b_a).setConstant(initial.sigma_acc_bias * initial.sigma_acc_bias);
+  if (estimated.gravity != EstimatedStates::Gravity::fixed) {
+    const double g = initial.state.g.norm();
+    const Vec3 up = initial.state.g / g;
+    Mat3 spread = initial.sigma_tilt * initial.sigma_tilt * g * g * (Mat3::Identity() - up * up.transpose());
+    if (estimated.gravity == EstimatedStates::Gravity::free) spread += 1e-4 * up * up.transpose();
+    P.block<3, 3>(block::g, block::g) = spread;
+  }
+  using Calibration = EstimatedStates::GyroCalibration;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const int k = block::s + 3 * column + row;
+      if (row == column && estimated.gyro_calibration != Calibration::none) P(k, k) = kScaleSigma * kScaleSigma;
+      if (row != column && estimated.gyro_calibration == Calibration::full) P(k, k) = kCrossSigma * kCrossSigma;
+    }
+  }
+  if (estimated.time_offset) P(block::d, block::d) = kDelaySigma * kDelaySigma;
+  return P;
+}
+
+}  // namespace aslio::plugins

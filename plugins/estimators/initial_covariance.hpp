@@ -1,0 +1,20 @@
+#pragma once
+
+#include "aslio/stages/estimator.hpp"
+
+namespace aslio::plugins {
+
+/// What a filter estimates besides pose, velocity and biases.
+struct EstimatedStates {
+  enum class Gravity : std::uint8_t { s2, free, fixed };
+  enum class GyroCalibration : std::uint8_t { none, diagonal, full };
+  Gravity gravity = Gravity::s2;
+  GyroCalibration gyro_calibration = GyroCalibration::none;
+  bool time_offset = false;
+};
+
+/// Covariance at the start (docs/equations.md INI-4): zero for what is not estimated. `sigma_velocity` [m/s] stands in
+/// place of the initial state's.
+StateMatrix initial_covariance(const InitialState& initial, const EstimatedStates& estimated, double sigma_velocity);
+
+}  // namespace aslio::plugins
