@@ -1,5 +1,6 @@
 // What every registered occupancy store promises: the layers of brute force.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 #include "plugins/build_environment.hpp"
 #include "plugins/overlaps/one_stage.hpp"
 #include "register_all.hpp"
+#include "stores/block_hash.hpp"
 
 using namespace aslio;
 
@@ -131,4 +133,79 @@ TEST_CASE("every store: keep_inside keeps the cube and nothing else, while growi
     store.clear();
     REQUIRE(store.size() == 0);
   });
+}
+
+TEST_CASE("all stores and brute force agree through random inserts, queries and prunes, on both sides of zero") {
+  plugin::Catalog catalog;
+  plugins::register_all(catalog);
+  test::BuildEnvironment environment;
+  const auto context = environment.context();
+  for (const std::uint64_t seed : {11, 12, 13}) {
+    std::vector<std::unique_ptr<OccupancyStore>> stores;
+    for (const auto& type : catalog.types(OccupancyStore::family)) {
+      stores.push_back(test::make_stage<OccupancyStore>(catalog, type, context));
+    }
+    REQUIRE(stores.size() >= 3);
+    std::mt19937_64 engine(seed);
+    const auto pick = [&](int lo, int hi) {
+      return lo + static_cast<int>(engine() % static_cast<std::uint64_t>(hi - lo + 1));
+    };
+    std::vector<Cell> oracle;
+    std::array<std::size_t, kMaxLayers + 1> seen{};
+    for (int round = 0; round < 400; ++round) {
+      const Cell centre{pick(-20, 20), pick(-20, 20), pick(-20, 20)};
+      const int action = pick(0, 19);
+      if (action < 11) {  // often a single cell: the least that makes a dilated brick stale
+        const auto fresh = random_cells(engine, action < 6 ? 1 : 60, 9, centre);
+        oracle.insert(oracle.end(), fresh.begin(), fresh.end());
+        for (auto& store : stores) store->insert(fresh);
+      } else if (action == 11) {
+        const Cell lo{centre.x - pick(8, 30), centre.y - pick(8, 30), centre.z - pick(8, 30)};
+        const Cell hi{centre.x + pick(8, 30), centre.y + pick(8, 30), centre.z + pick(8, 30)};
+        std::erase_if(oracle, [&](const Cell& c) {
+          return c.x < lo.x || c.x > hi.x || c.y < lo.y || c.y > hi.y || c.z < lo.z || c.z > hi.z;
+        });
+        for (auto& store : stores) store->keep_inside(lo, hi);
+      } else if (action == 12 && pick(0, 3) == 0) {
+        oracle.clear();
+        for (auto& store : stores) store->clear();
+      }
+      // The same metric and depth for a while: planes kept from earlier rounds are asked again.
+      const LayerMetric metric = kMetrics[round / 40 % 3];
+      const int depth = std::array{3, 7, 1, 5, 0, 2, 6, 4, 3, 3}[static_cast<std::size_t>(round / 40)];
+      auto cells = random_cells(engine, 60, 36, {0, 0, 0});
+      if (!oracle.empty()) cells[7] = oracle[engine() % oracle.size()];
+      const auto expected = brute_force(oracle, cells, depth, metric);
+      for (const std::uint8_t layer : expected) ++seen[std::min<std::size_t>(layer, kMaxLayers)];
+      for (auto& store : stores) {
+        std::vector<std::uint8_t> layers(cells.size());
+        store->layers(cells, depth, metric, layers);
+        REQUIRE(layers == expected);
+        REQUIRE(store->size() == distinct(oracle));
+      }
+    }
+    CAPTURE(seen);
+    REQUIRE(std::all_of(seen.begin(), seen.end(), [](std::size_t count) { return count > 50; }));
+  }
+}
+
+TEST_CASE("block_hash dilates a brick at its first query after a change next to it, and not again") {
+  test::BuildEnvironment environment;
+  plugins::BlockHash store({}, environment.context());
+  std::vector<std::uint8_t> layer(1);
+  const auto ask = [&](const Cell& cell) {
+    store.layers(std::span(&cell, 1), 3, LayerMetric::chebyshev, layer);
+    return static_cast<int>(layer[0]);
+  };
+  store.insert(std::vector<Cell>{{0, 0, 0}});
+  REQUIRE(store.dilations() == 0);
+  REQUIRE(ask({-1, -2, -3}) == 3);
+  REQUIRE(ask({-8, -1, -1}) == 4);
+  REQUIRE(store.dilations() == 1);
+  store.insert(std::vector<Cell>{{100, 0, 0}, {0, 0, 0}});  // far away, and nothing new
+  REQUIRE(ask({-1, -2, -3}) == 3);
+  REQUIRE(store.dilations() == 1);
+  store.insert(std::vector<Cell>{{0, -2, -1}});  // in a brick beside it
+  REQUIRE(ask({-1, -2, -1}) == 1);
+  REQUIRE(store.dilations() == 2);
 }

@@ -1,0 +1,204 @@
+#include "stores/block_hash.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "stores/shells.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+constexpr std::size_t kSmallest = 1024;  // slots
+constexpr Brick kEmpty{};
+
+/// Keys of bricks: neighbours differ by a constant, at the edge of the range too, which bricks come nowhere near.
+std::uint64_t key_of(const Cell& cell) { return pack_cell(cell.x >> 3, cell.y >> 3, cell.z >> 3); }
+
+std::uint64_t step(int dx, int dy, int dz) { return pack_cell(dx, dy, dz) - pack_cell(0, 0, 0); }
+
+/// The lowest cell of a brick.
+Cell corner_of(std::uint64_t key) {
+  constexpr std::uint64_t mask = (std::uint64_t{1} << 21) - 1;
+  const auto axis = [&](unsigned shift) {
+    return (static_cast<std::int32_t>(key >> shift & mask) - kCellRange) * Brick::kEdge;
+  };
+  return {axis(42), axis(21), axis(0)};
+}
+
+unsigned log2_of(std::size_t power) { return static_cast<unsigned>(std::countr_zero(power)); }
+
+/// Bits 8 y + z of the rows y in [y0, y1] and z in [z0, z1], relative to a brick and clipped to it.
+std::uint64_t rectangle(std::int32_t y0, std::int32_t y1, std::int32_t z0, std::int32_t z1) {
+  std::uint64_t bits = 0;
+  for (std::int32_t y = std::max(0, y0); y <= std::min(7, y1); ++y) {
+    for (std::int32_t z = std::max(0, z0); z <= std::min(7, z1); ++z) bits |= Brick::bit({0, y, z});
+  }
+  return bits;
+}
+
+/// Clears what lies outside [lo, hi]; the number of cells left.
+std::size_t clip(Brick& brick, const Cell& corner, const Cell& lo, const Cell& hi) {
+  const std::uint64_t inside = rectangle(lo.y - corner.y, hi.y - corner.y, lo.z - corner.z, hi.z - corner.z);
+  std::size_t left = 0;
+  for (std::int32_t x = 0; x < Brick::kEdge; ++x) {
+    std::uint64_t& word = brick.words[static_cast<std::size_t>(x)];
+    word &= corner.x + x >= lo.x && corner.x + x <= hi.x ? inside : 0;
+    left += static_cast<std::size_t>(std::popcount(word));
+  }
+  return left;
+}
+
+}  // namespace
+
+void BlockHash::describe(config::Binder& b, Params& p) {
+  b.integer("cached", p.cached, "", {.min = 16, .max = 1 << 20},
+            "bricks whose layers are kept between queries, rounded up to a power of two; a frame should touch fewer");
+}
+
+BlockHash::BlockHash(const Params& params, const BuildContext& context) {
+  (void)context;
+  cached_.assign(std::bit_ceil(static_cast<std::size_t>(params.cached)), kNone);
+  line_shift_ = 64 - log2_of(cached_.size());
+  rehash(kSmallest);
+}
+
+std::size_t BlockHash::slot_of(std::uint64_t key) const {
+  // Four bricks above each other share a cache line: a dilation asks for three.
+  std::size_t slot = static_cast<std::size_t>((key >> 2) * 0x9e3779b97f4a7c15u >> slot_shift_) << 2 | (key & 3);
+  while (slots_[slot].key != key && slots_[slot].key != kNone) slot = (slot + 1) & (slots_.size() - 1);
+  return slot;
+}
+
+const Brick* BlockHash::find(std::uint64_t key) const {
+  const Slot& slot = slots_[slot_of(key)];
+  return slot.key == key ? &bricks_[slot.brick] : &kEmpty;
+}
+
+std::size_t BlockHash::find_or_add(std::uint64_t key) {
+  std::size_t slot = slot_of(key);
+  if (slots_[slot].key == key) return slots_[slot].brick;
+  if (2 * (bricks_.size() + 1) > slots_.size()) {
+    rehash(2 * slots_.size());
+    slot = slot_of(key);
+  }
+  slots_[slot] = {key, static_cast<std::uint32_t>(bricks_.size())};
+  bricks_.emplace_back();
+  labels_.push_back({key, 0});
+  return bricks_.size() - 1;
+}
+
+void BlockHash::rehash(std::size_t slots) {
+  slots_.assign(slots, Slot{});
+  slot_shift_ = 64 + 2 - log2_of(slots);
+  for (std::size_t i = 0; i < labels_.size(); ++i) {
+    slots_[slot_of(labels_[i].key)] = {labels_[i].key, static_cast<std::uint32_t>(i)};
+  }
+}
+
+std::size_t BlockHash::line_of(std::uint64_t key) const {
+  return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> line_shift_);
+}
+
+void BlockHash::announce_change(std::uint64_t key) {
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dz = -1; dz <= 1; ++dz) {
+        const std::uint64_t other = key + step(dx, dy, dz);
+        std::uint64_t& cached = cached_[line_of(other)];
+        if (cached == other) cached = kNone;
+      }
+    }
+  }
+}
+
+void BlockHash::insert(std::span<const Cell> cells) {
+  std::uint64_t last = kNone;
+  std::size_t brick = 0;
+  for (const Cell& cell : cells) {
+    const std::uint64_t key = key_of(cell);
+    if (key != last) brick = find_or_add(key);
+    last = key;
+    std::uint64_t& word = bricks_[brick].words[Brick::word(cell)];
+    const std::uint64_t bit = Brick::bit(cell);
+    if ((word & bit) != 0) continue;
+    word |= bit;
+    ++size_;
+    // Once between two queries is enough: nothing is dilated in between.
+    if (std::exchange(labels_[brick].announced, queries_) != queries_) announce_change(key);
+  }
+}
+
+const Brick* BlockHash::planes_of(std::uint64_t key) {
+  const std::size_t line = line_of(key), count = static_cast<std::size_t>(depth_) + 1;
+  Brick* planes = &planes_[line * count];
+  if (cached_[line] == key) return planes;
+  cached_[line] = key;
+  ++dilations_;
+  Neighbourhood around;
+  std::size_t i = 0;
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dz = -1; dz <= 1; ++dz) around[i++] = find(key + step(dx, dy, dz));
+    }
+  }
+  dilate(around, metric_, {planes, count});
+  return planes;
+}
+
+void BlockHash::layers(std::span<const Cell> cells, int depth, LayerMetric metric, std::span<std::uint8_t> out) {
+  if (depth != depth_ || metric != metric_) {
+    depth_ = depth;
+    metric_ = metric;
+    planes_.resize(cached_.size() * (static_cast<std::size_t>(depth) + 1));
+    forget_planes();
+  }
+  ++queries_;
+  std::uint64_t last = kNone;
+  const Brick* planes = nullptr;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::uint64_t key = key_of(cells[i]);
+    if (key != last) planes = planes_of(key);
+    last = key;
+    int beyond = 0;  // planes without the cell; each contains the one before
+    for (int layer = 0; layer <= depth; ++layer) beyond += planes[layer].has(cells[i]) ? 0 : 1;
+    out[i] = static_cast<std::uint8_t>(beyond);
+  }
+}
+
+void BlockHash::keep_inside(const Cell& lo, const Cell& hi) {
+  const std::size_t before = size_;
+  std::size_t kept = 0;
+  size_ = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const std::size_t left = clip(bricks_[i], corner_of(labels_[i].key), lo, hi);
+    if (left == 0) continue;
+    size_ += left;
+    bricks_[kept] = bricks_[i];
+    labels_[kept++] = labels_[i];
+  }
+  if (size_ == before) return;
+  bricks_.resize(kept);
+  labels_.resize(kept);
+  rehash(std::max(kSmallest, std::bit_ceil(2 * kept + 2)));
+  forget_planes();
+}
+
+void BlockHash::forget_planes() { std::fill(cached_.begin(), cached_.end(), kNone); }
+
+std::size_t BlockHash::memory_bytes() const {
+  return sizeof(*this) + slots_.capacity() * sizeof(Slot) + bricks_.capacity() * sizeof(Brick) +
+         labels_.capacity() * sizeof(Label) + cached_.capacity() * sizeof(std::uint64_t) +
+         planes_.capacity() * sizeof(Brick);
+}
+
+void BlockHash::clear() {
+  std::fill(slots_.begin(), slots_.end(), Slot{});
+  bricks_.clear();
+  labels_.clear();
+  size_ = 0;
+  forget_planes();
+}
+
+}  // namespace aslio::plugins
