@@ -1,4 +1,4 @@
-// Timings of the map, the plane fit and the overlap metrics on points of a generated street with the given spacing.
+// Timings of the map and the plane fit on points of a generated street with the given spacing.
 // bench_maps [map points] [spacing in m]; thread CPU time, one thread.
 
 #include <algorithm>
@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "aslio/core/cpu_clock.hpp"
+#include "maps/ikd_tree.hpp"
 #include "maps/voxel_hash.hpp"
-#include "overlaps/soft_voxel.hpp"
 #include "residuals/point_to_plane.hpp"
-#include "stores/flat_hash.hpp"
 
 namespace {
 
@@ -48,28 +47,6 @@ WorldPoint street_point(Uniform& uniform, double extent) {
   return point;
 }
 
-/// A sweep of 64 beams at 375 azimuths from (x, 0, 1.8) in a street 20 m wide with a house corner every 15 m.
-std::vector<WorldPoint> sweep(Uniform& uniform, double x) {
-  std::vector<WorldPoint> points;
-  for (int beam = 0; beam < 64; ++beam) {
-    for (int step = 0; step < 375; ++step) {
-      const double elevation = (-25.0 + 0.6 * beam) * 0.01745, azimuth = 6.2832 * (step + uniform()) / 375.0;
-      const Vec3 ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                     std::sin(elevation));
-      double range = ray.z() < 0 ? -1.8 / ray.z() : 80.0;
-      double wall = 10.0 / std::max(1e-3, std::abs(ray.y()));
-      const double along = x + wall * ray.x();
-      if (std::fmod(std::abs(along), 15.0) < 5.0) wall *= 1.3;  // set back
-      range = std::min({range, wall, 80.0}) + 0.02 * (uniform() + uniform() - 1.0);
-      WorldPoint point;
-      point.p_W = Vec3(x, 0, 1.8) + range * ray;
-      point.range = static_cast<float>(range);
-      points.push_back(point);
-    }
-  }
-  return points;
-}
-
 template <class F>
 double seconds(F&& work) {
   double total = 0;
@@ -85,24 +62,25 @@ void report(const char* what, double value, const char* unit) {
             << value << ' ' << unit << '\n';
 }
 
-void bench_map(const BuildContext& context, std::size_t target, double spacing) {
+void bench_map(const char* name, Map& map, const BuildContext& context, std::size_t target, double spacing) {
   Uniform uniform;
-  plugins::VoxelHash::Params params;
-  params.min_spacing = spacing;
-  plugins::VoxelHash map(params, context);
+  std::cout << name << '\n';
   // Ground and walls hold extent^2 * 2.5 / spacing^2 points or so.
   const double extent = std::max(40.0, spacing * std::sqrt(static_cast<double>(target)));
   std::size_t offered = 0;
-  double insert_time = 0;
+  double insert_time = 0, longest = 0;
   std::vector<WorldPoint> batch(5000);
   for (std::uint32_t stamp = 1; map.size() < target && stamp < 4000; ++stamp) {
     for (auto& point : batch) point = street_point(uniform, extent);
-    insert_time += seconds([&] { map.insert(batch, stamp); });
+    const double time = seconds([&] { map.insert(batch, stamp); });
+    insert_time += time;
+    longest = std::max(longest, time);
     offered += batch.size();
   }
   report("map points", static_cast<double>(map.size()), "");
   report("insert, per point offered", 1e9 * insert_time / static_cast<double>(offered), "ns");
   report("insert, per point kept", 1e9 * insert_time / static_cast<double>(map.size()), "ns");
+  report("insert, longest of 5000 points", 1e3 * longest, "ms");
   report("memory per point", static_cast<double>(map.memory_bytes()) / static_cast<double>(map.size()), "B");
 
   // A frame sees a part of the map: queries around one place, as they come from a sensor.
@@ -133,37 +111,6 @@ void bench_map(const BuildContext& context, std::size_t target, double spacing) 
   report("queries with a plane", 100.0 * static_cast<double>(valid) / searched, "%");
 }
 
-void bench_overlap(const BuildContext& context, double voxel, std::int64_t max_points) {
-  Uniform uniform;
-  plugins::SoftVoxel::Params params;
-  params.voxel = voxel;
-  params.max_points = max_points;
-  config::StageRecipe store{"stores", "flat_hash", [](const BuildContext& c) -> std::unique_ptr<Stage> {
-                              return std::make_unique<plugins::FlatHash>(plugins::FlatHash::Params{}, c);
-                            }};
-  params.store.resolve(std::make_shared<const config::StageRecipe>(store));
-  plugins::SoftVoxel overlap(params, context);
-  constexpr int frames = 60, warm_up = 20;
-  double evaluate_time = 0, extend_time = 0, sum = 0;
-  for (int frame = 0; frame < frames; ++frame) {
-    const std::vector<WorldPoint> points = sweep(uniform, 1.0 * frame);
-    const TimeNs t = frame * kSecond / 10;
-    OverlapScore score;
-    const double evaluate = seconds([&] { score = overlap.evaluate(points, t); });
-    const double extend = seconds([&] { overlap.extend(points, t); });
-    if (frame < warm_up) continue;
-    evaluate_time += evaluate;
-    extend_time += extend;
-    sum += score.value.value_or(0);
-  }
-  constexpr double scored = frames - warm_up;
-  std::cout << "soft overlap, 24000 points, voxel " << voxel << " m, max_points " << max_points << '\n';
-  report("  evaluate, per frame", 1e3 * evaluate_time / scored, "ms");
-  report("  extend, per frame", 1e3 * extend_time / scored, "ms");
-  report("  mean overlap", sum / scored, "");
-  report("  memory", static_cast<double>(overlap.memory_bytes()) / 1e6, "MB");
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -172,9 +119,13 @@ int main(int argc, char** argv) {
   exec::Executor exec(1);
   const SensorModel sensor;
   const BuildContext context{exec, sensor, nullptr};
-  bench_map(context, target, spacing);
-  for (const double voxel : {0.1, 0.2, 0.4}) {
-    bench_overlap(context, voxel, 0);
-    bench_overlap(context, voxel, 5000);
-  }
+  plugins::VoxelHash::Params hash;
+  hash.min_spacing = spacing;
+  plugins::VoxelHash voxel_hash(hash, context);
+  bench_map("voxel_hash", voxel_hash, context, target, spacing);
+  plugins::IkdTree::Params tree;
+  tree.leaf = spacing;
+  tree.radius = 1e4;
+  plugins::IkdTree ikd_tree(tree, context);
+  bench_map("ikd_tree", ikd_tree, context, target, spacing);
 }

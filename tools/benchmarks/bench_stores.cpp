@@ -1,0 +1,176 @@
+// Cost per point and memory per cell of the occupancy stores, on sweeps of 24000 points that move 1 m per frame along a
+// street: the store alone, and soft_voxel with each store. Thread CPU time, one thread.
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "aslio/config/load.hpp"
+#include "aslio/core/cpu_clock.hpp"
+#include "aslio/plugin/registry.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "overlaps/cell_histogram.hpp"
+#include "register_all.hpp"
+
+namespace {
+
+using namespace aslio;
+
+constexpr int kFrames = 60, kWarmUp = 20;
+constexpr double kScored = kFrames - kWarmUp;
+
+/// 64 beams at 375 azimuths from (x, 0, 1.8) in a street 20 m wide with a house corner every 15 m.
+std::vector<WorldPoint> sweep(std::mt19937_64& engine, double x) {
+  // The same numbers everywhere (std distributions are not).
+  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  std::vector<WorldPoint> points;
+  for (int step = 0; step < 375; ++step) {
+    for (int beam = 0; beam < 64; ++beam) {
+      const double elevation = (-25.0 + 0.6 * beam) * 0.01745, azimuth = 6.2832 * (step + uniform()) / 375.0;
+      const Vec3 ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                     std::sin(elevation));
+      double range = ray.z() < 0 ? -1.8 / ray.z() : 80.0;
+      double wall = 10.0 / std::max(1e-3, std::abs(ray.y()));
+      const double along = x + wall * ray.x();
+      if (std::fmod(std::abs(along), 15.0) < 5.0) wall *= 1.3;  // set back
+      range = std::min({range, wall, 80.0}) + 0.02 * (uniform() + uniform() - 1.0);
+      WorldPoint point;
+      point.p_W = Vec3(x, 0, 1.8) + range * ray;
+      point.range = static_cast<float>(range);
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+template <class F>
+double seconds(F&& work) {
+  double total = 0;
+  {
+    CpuTimer timer(total);
+    work();
+  }
+  return total;
+}
+
+struct Cost {
+  double query = 0, insert = 0;  // s
+  std::size_t points = 0, bytes = 0, cells = 0;
+  double score = 0;  // sum
+};
+
+void print(const std::string& name, const Cost& cost) {
+  const auto points = static_cast<double>(cost.points);
+  std::cout << "  " << std::left << std::setw(24) << name << std::right << std::fixed << std::setprecision(2)
+            << std::setw(9) << 1e3 * cost.query / kScored << std::setw(9) << 1e3 * cost.insert / kScored
+            << std::setprecision(1) << std::setw(9) << 1e9 * cost.query / points << std::setw(9)
+            << 1e9 * cost.insert / points << std::setprecision(2) << std::setw(9)
+            << static_cast<double>(cost.bytes) / 1e6;
+  if (cost.cells > 0) {
+    std::cout << std::setprecision(1) << std::setw(9)
+              << static_cast<double>(cost.bytes) / static_cast<double>(cost.cells) << std::setw(10) << cost.cells;
+  } else {
+    std::cout << std::setw(19) << "" << std::setprecision(4) << std::setw(9) << cost.score / kScored;
+  }
+  std::cout << '\n';
+}
+
+/// The store alone: every point of a frame is asked and inserted, with no de-duplication before it.
+Cost bench_store(OccupancyStore& store, double voxel, int depth) {
+  std::mt19937_64 engine(1);
+  Cost cost;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    std::vector<Cell> cells;
+    for (const WorldPoint& point : sweep(engine, 1.0 * frame)) {
+      Cell cell;
+      if (plugins::CellHistogram::cell_of(point.p_W, 1.0 / voxel, cell)) cells.push_back(cell);
+    }
+    std::vector<std::uint8_t> layers(cells.size());
+    const double query = seconds([&] { store.layers(cells, depth, LayerMetric::chebyshev, layers); });
+    const double insert = seconds([&] { store.insert(cells); });
+    if (frame < kWarmUp) continue;
+    cost.query += query;
+    cost.insert += insert;
+    cost.points += cells.size();
+  }
+  cost.bytes = store.memory_bytes();
+  cost.cells = store.size();
+  return cost;
+}
+
+Cost bench_metric(OverlapMetric& metric) {
+  std::mt19937_64 engine(1);
+  Cost cost;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const std::vector<WorldPoint> points = sweep(engine, 1.0 * frame);
+    const TimeNs t = frame * kSecond / 10;
+    OverlapScore score;
+    const double query = seconds([&] { score = metric.evaluate(points, t); });
+    const double insert = seconds([&] { metric.extend(points, t); });
+    if (frame < kWarmUp) continue;
+    cost.query += query;
+    cost.insert += insert;
+    cost.points += points.size();
+    cost.score += score.value.value_or(0);
+  }
+  cost.bytes = metric.memory_bytes();
+  return cost;
+}
+
+/// A file of one metric.
+struct MetricFile {
+  config::Nested<OverlapMetric> overlap;
+  static void describe(config::Binder& b, MetricFile& p) { b.stage("overlap", p.overlap, "the metric under test"); }
+};
+
+struct StoreFile {
+  config::Nested<OccupancyStore> store;
+  static void describe(config::Binder& b, StoreFile& p) { b.stage("store", p.store, "the store under test"); }
+};
+
+template <class File>
+File file_of(const std::string& text, const plugin::Catalog& catalog) {
+  return config::parse<File>("schema: aslio/pipeline/1\n" + text + "\n", "bench_stores", config::FileKind::pipeline,
+                             catalog)
+      .value;
+}
+
+void heading(const std::string& what, const char* last) {
+  std::cout << what << "\n  " << std::left << std::setw(24) << "" << std::right << std::setw(9) << "query ms"
+            << std::setw(9) << "ins. ms" << std::setw(9) << "ns/point" << std::setw(9) << "ns/point" << std::setw(9)
+            << "MB" << last << '\n';
+}
+
+}  // namespace
+
+int main() {
+  exec::Executor exec(1);
+  const SensorModel sensor;
+  const BuildContext context{exec, sensor, nullptr};
+  plugin::Catalog catalog;
+  plugins::register_all(catalog);
+  for (const std::string voxel : {"0.1", "0.2", "0.4"}) {
+    for (const int depth : {0, 3}) {
+      heading("store alone, voxel " + voxel + " m, " + std::to_string(depth) + " layers", "   B/cell     cells");
+      for (const auto& type : catalog.types(OccupancyStore::family)) {
+        const auto store = file_of<StoreFile>("store: " + type, catalog).store.make(context);
+        print(type, bench_store(*store, std::stod(voxel), depth));
+      }
+    }
+    for (const std::string most : {"0", "5000"}) {
+      heading("soft_voxel, voxel " + voxel + " m, max_points " + most, "                 mean O");
+      for (const auto& type : catalog.types(OccupancyStore::family)) {
+        for (const std::string delay : {"0", "0.1"}) {
+          std::string text = "overlap: {type: soft_voxel, voxel: " + voxel;
+          text += ", max_points: " + most + ", delay: " + delay + ", store: " + type + "}";
+          const auto metric = file_of<MetricFile>(text, catalog).overlap.make(context);
+          print(type + ", delay " + delay + " s", bench_metric(*metric));
+        }
+      }
+    }
+  }
+}
