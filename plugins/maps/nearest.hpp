@@ -22,6 +22,8 @@ class Nearest {
 
   /// Offers the first `n` points of a chunk; (qx, qy, qz) is the query relative to the corner of the voxel.
   void scan(const Chunk& chunk, std::size_t n, float qx, float qy, float qz, std::uint32_t max_stamp);
+  /// Offers one point with squared <= bound(); *order must outlive the query.
+  void offer(float squared, const std::uint32_t* order, float x, float y, float z);
   void write(Neighbours& out, std::size_t query) const {
     out.count[query] = static_cast<std::uint8_t>(count_);
     const std::size_t base = query * out.k();
@@ -36,7 +38,6 @@ class Nearest {
   static constexpr std::size_t kLanes = 8;
 
   void tighten(const float* squared, std::size_t n);
-  void offer(float squared, const std::uint32_t* order, float x, float y, float z);
 
   int k_;
   int count_ = 0;

@@ -1,4 +1,5 @@
 #include "aslio/plugin/registry.hpp"
+#include "maps/ikd_tree.hpp"
 #include "maps/voxel_hash.hpp"
 
 namespace aslio::plugins {
@@ -7,6 +8,7 @@ void register_maps(plugin::Registry<Map>& registry);
 
 void register_maps(plugin::Registry<Map>& registry) {
   registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
+  registry.add<IkdTree>("ikd_tree", "Exact neighbours from an incremental k-d tree, thinned to one point per cell.");
 }
 
 }  // namespace aslio::plugins

@@ -1,0 +1,115 @@
+#pragma once
+/// Every map against brute force, bit by bit. All coordinates are multiples of 2^-10 m and distances stay below 1 m, so
+/// that offsets and squared distances are exact in float and ties are ties.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <tuple>
+#include <vector>
+
+#include "aslio/stages/map.hpp"
+
+namespace aslio::test {
+
+/// Random numbers that are the same everywhere.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : engine_(seed) {}
+  /// In [low, high].
+  int operator()(int low, int high) {
+    return low + static_cast<int>(engine_() % static_cast<std::uint64_t>(high - low + 1));
+  }
+  /// A point of the grid within `half` m of `centre` along each axis.
+  Vec3 near(const Vec3& centre, int half) {
+    const int x = grid(half), y = grid(half), z = grid(half);
+    return centre + Vec3(x, y, z) / 1024.0;
+  }
+
+ private:
+  int grid(int half) { return (*this)(-1024 * half, 1024 * half); }
+  std::mt19937_64 engine_;
+};
+
+/// The points a map should hold, in order of insertion.
+class GridOracle {
+ public:
+  void insert(const std::vector<WorldPoint>& points, std::uint32_t stamp) {
+    for (const auto& point : points) held_.push_back({point.p_W, stamp});
+  }
+  /// Forgets the points for which `gone` holds and returns their number.
+  template <class Gone>
+  std::size_t erase(Gone&& gone) {
+    return std::erase_if(held_, [&](const Held& held) { return gone(held.p); });
+  }
+  void clear() { held_.clear(); }
+  std::size_t size() const { return held_.size(); }
+
+  /// Same points in the map, all of them visited.
+  void check_contents(const Map& map) const {
+    std::vector<Vec3> expected, visited;
+    for (const Held& held : held_) expected.push_back(held.p);
+    map.visit([&](const Vec3& p) { visited.push_back(p); });
+    const auto before = [](const Vec3& a, const Vec3& b) {
+      return std::tuple(a.x(), a.y(), a.z()) < std::tuple(b.x(), b.y(), b.z());
+    };
+    std::sort(expected.begin(), expected.end(), before);
+    std::sort(visited.begin(), visited.end(), before);
+    REQUIRE(map.size() == held_.size());
+    REQUIRE(visited == expected);
+  }
+
+  /// Same neighbours in the same order with the same bits. Pre: ask.max_distance <= 1.
+  void check_neighbours(const Map& map, const std::vector<Vec3>& queries, const MapQuery& ask) const {
+    Neighbours found;
+    map.correspond(queries, ask, found);
+    REQUIRE(found.size() == queries.size());
+    std::vector<std::pair<double, std::size_t>> near;  // squared distance, place in order of insertion
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      near.clear();
+      for (std::size_t n = 0; n < held_.size(); ++n) {
+        const double squared = (held_[n].p - queries[i]).squaredNorm();
+        if (squared <= ask.max_distance * ask.max_distance && held_[n].stamp <= ask.max_stamp) {
+          near.emplace_back(squared, n);
+        }
+      }
+      std::sort(near.begin(), near.end());
+      bool same = found.count[i] == std::min(near.size(), static_cast<std::size_t>(ask.k));
+      for (std::size_t j = 0; same && j < found.count[i]; ++j) {
+        const Vec3 offset = held_[near[j].second].p - queries[i];
+        same = found.offset(i, j).cast<double>() == offset &&
+               static_cast<double>(found.squared[i * found.k() + j]) == near[j].first;
+      }
+      REQUIRE(same);
+    }
+  }
+
+ private:
+  struct Held {
+    Vec3 p;
+    std::uint32_t stamp;
+  };
+  std::vector<Held> held_;
+};
+
+/// A batch as a sensor or an adversary would give it: a cloud, a wall, a sorted line, copies of few points.
+inline std::vector<WorldPoint> draw_batch(Draw& draw, const Vec3& centre, int most) {
+  const int kind = draw(0, 3);
+  std::vector<WorldPoint> batch(static_cast<std::size_t>(draw(1, kind == 3 ? 50 : most)));
+  const Vec3 start = draw.near(centre, 6), few[2] = {draw.near(centre, 6), draw.near(centre, 6)};
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    Vec3& p = batch[i].p_W;
+    if (kind == 0) p = draw.near(centre, 6);
+    if (kind == 1) {
+      p = draw.near(centre, 6);
+      p.z() = start.z();
+    }
+    if (kind == 2) p = start + Vec3(static_cast<double>(i) / 256.0, 0, 0);
+    if (kind == 3) p = few[i % 2];
+  }
+  return batch;
+}
+
+}  // namespace aslio::test
