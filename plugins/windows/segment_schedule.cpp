@@ -34,7 +34,7 @@ void SegmentSchedule::restart() { arm(2); }
 
 void SegmentSchedule::arm(std::int64_t n) {
   n_ = n;
-  echo_ = n <= 2 ? 1 : n;
+  echo_ = holds_ && n > 2 ? n : 1;
 }
 
 }  // namespace aslio::plugins

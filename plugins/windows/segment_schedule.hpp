@@ -19,9 +19,10 @@ enum class Recover : std::uint8_t {
 /// out, for the continuity of motion.
 class SegmentSchedule {
  public:
-  /// seg_step in (0, 1]: loss of overlap per segment; n_limit >= 2: largest n.
-  SegmentSchedule(double seg_step, std::int64_t n_limit, Recover recover)
-      : seg_step_(seg_step), n_limit_(n_limit), recover_(recover) {}
+  /// seg_step in (0, 1]: loss of overlap per segment; n_limit >= 2: largest n; without `echo` an echo lasts a single
+  /// update, so that n may fall at each.
+  SegmentSchedule(double seg_step, std::int64_t n_limit, Recover recover, bool echo = true)
+      : seg_step_(seg_step), n_limit_(n_limit), recover_(recover), holds_(echo) {}
 
   /// n that an overlap in [0, 1] asks for. eq. WIN-1, AS-LIO (7), clamped to [2, n_limit]: n = 1 would leave a hole of
   /// L.
@@ -49,6 +50,7 @@ class SegmentSchedule {
   double seg_step_;
   std::int64_t n_limit_;
   Recover recover_;
+  bool holds_;
   std::int64_t n_ = 2;
   std::int64_t echo_ = 1;
 };

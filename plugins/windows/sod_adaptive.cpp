@@ -9,6 +9,15 @@ namespace {
 /// Step at which coming points are looked at [ns]: 2.6 deg of a 257 deg/s turn.
 constexpr TimeNs kLookaheadStep = 10'000'000;
 
+/// Silence before the first of `data`, of which `last` came before; `last` becomes the last of them.
+template <class T>
+TimeNs silence(std::span<const T> data, TimeNs& last) {
+  if (data.empty()) return 0;
+  const TimeNs before = last == kTimeMin ? 0 : data.front().t - last;
+  last = data.back().t;
+  return before;
+}
+
 }  // namespace
 
 void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
@@ -21,6 +30,8 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
          "shortest time between updates; acts as n <= 2 L / shift_min");
   b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
          "time after the first insertion into the map during which the overlap is ignored (n = 2)");
+  b.flag("echo", p.echo,
+         "n holds for n updates (2 L of data) before it may fall; without, it may fall at each update (an ablation)");
   b.choice("recover", p.recover, {{"step", Recover::step}, {"ramp", Recover::ramp}},
            "how n falls when an echo has ended: to the latest overlap at once, or by one per echo");
   b.flag("lookahead", p.lookahead,
@@ -43,7 +54,8 @@ SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& c
                .min_points = static_cast<std::size_t>(params.min_points),
                .min_range = context.sensor.min_range,
                .max_range = context.sensor.max_range},
-      schedule_(params.seg_step, std::min(params.n_max, 2 * frame_length_ / to_ns(params.shift_min)), params.recover) {}
+      schedule_(params.seg_step, std::min(params.n_max, 2 * frame_length_ / to_ns(params.shift_min)), params.recover,
+                params.echo) {}
 
 bool SodAdaptiveWindow::warming_up(const Feedback& feedback) const {
   return feedback.first_insertion == kTimeMax || feedback.t - feedback.first_insertion < warmup_;
@@ -75,6 +87,12 @@ bool SodAdaptiveWindow::look_ahead(const StreamView& stream, TimeNs begin, Overl
   return true;
 }
 
+bool SodAdaptiveWindow::follows_gap(const StreamView& stream, TimeNs begin, TimeNs end) {
+  const TimeNs points = silence(stream.points(begin, end), last_point_);
+  const TimeNs imu = silence(stream.imu(begin, end), last_imu_);
+  return std::max({points, imu, end - begin}) > 2 * frame_length_;
+}
+
 std::optional<WindowPlan> SodAdaptiveWindow::next(const StreamView& stream, const Feedback& feedback,
                                                   OverlapProbe& probe) {
   if (awaits_feedback_) absorb(feedback);
@@ -93,7 +111,7 @@ std::optional<WindowPlan> SodAdaptiveWindow::next(const StreamView& stream, cons
   plan.echo = static_cast<std::uint32_t>(schedule_.echo());
   plan.extended = tile->extended;
   plan.partial = tile->partial;
-  if (tile->end - feedback.t > 2 * frame_length_) schedule_.end_echo();
+  if (follows_gap(stream, feedback.t, tile->end)) schedule_.end_echo();
   awaits_feedback_ = true;
   return plan;
 }

@@ -18,6 +18,7 @@ class SodAdaptiveWindow final : public WindowStrategy {
     std::int64_t n_max = 25;
     double shift_min = 0.008;
     double warmup = 1.0;
+    bool echo = true;
     Recover recover = Recover::step;
     bool lookahead = false;
     std::int64_t min_points = 300;
@@ -34,6 +35,8 @@ class SodAdaptiveWindow final : public WindowStrategy {
   bool warming_up(const Feedback& feedback) const;
   void absorb(const Feedback& feedback);
   bool look_ahead(const StreamView& stream, TimeNs begin, OverlapProbe& probe);
+  /// Whether points or IMU data were missing for more than two frame lengths before or within (begin, end].
+  bool follows_gap(const StreamView& stream, TimeNs begin, TimeNs end);
 
   TimeNs frame_length_;
   TimeNs warmup_;
@@ -43,6 +46,9 @@ class SodAdaptiveWindow final : public WindowStrategy {
   SegmentSchedule schedule_;
   bool awaits_feedback_ = false;  ///< a window was returned and its feedback not yet seen
   TimeNs probed_ = 0;             ///< part of the pending window already looked at [ns]
+  // Last data of the windows returned; kTimeMin before the first.
+  TimeNs last_point_ = kTimeMin;
+  TimeNs last_imu_ = kTimeMin;
 };
 
 }  // namespace aslio::plugins

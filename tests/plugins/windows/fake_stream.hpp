@@ -133,6 +133,8 @@ class WindowLoop {
     }
     return count;
   }
+  /// Of the last window, to be changed between runs.
+  Feedback& feedback() { return feedback_; }
   std::vector<WindowPlan> plans;
 
  private:

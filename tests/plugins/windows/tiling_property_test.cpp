@@ -1,66 +1,78 @@
 /// What every window strategy owes the pipeline, on random streams with gaps, jitter and random overlaps.
 
 #include <catch2/catch.hpp>
+#include <map>
 #include <random>
 
-#include "aslio/plugin/registry.hpp"
 #include "plugins/build_environment.hpp"
+#include "plugins/windows/configured_window.hpp"
 #include "plugins/windows/fake_stream.hpp"
-#include "register_all.hpp"
-#include "windows/fixed.hpp"
-#include "windows/sod_adaptive.hpp"
+#include "temporary_folder.hpp"
 
 namespace aslio {
 namespace {
 
-using plugins::FixedWindow;
-using plugins::SodAdaptiveWindow;
 using test::kMs;
 
-struct Candidate {
-  std::string name;
-  std::function<std::unique_ptr<WindowStrategy>()> make;
-};
-
-/// Every registered type with its defaults, and variants of those of this directory.
-std::vector<Candidate> candidates(test::BuildEnvironment& environment, const plugin::Catalog& catalog) {
-  std::vector<Candidate> all;
-  for (const std::string& type : catalog.types(WindowStrategy::family)) {
-    const plugin::Entry* entry = catalog.find(WindowStrategy::family, type);
-    all.push_back({type, [entry, &environment] {
-                     const auto params = entry->defaults();
-                     return std::unique_ptr<WindowStrategy>(
-                         dynamic_cast<WindowStrategy*>(entry->make(params.get(), environment.context()).release()));
-                   }});
-  }
-  const auto sod = [&](std::string name, SodAdaptiveWindow::Params params) {
-    params.warmup = 0.3;
-    all.push_back({std::move(name), [params, &environment] {
-                     return std::make_unique<SodAdaptiveWindow>(params, environment.context());
-                   }});
-  };
-  sod("sod: paper rate", {.seg_step = 0.04, .min_points = 100});
-  sod("sod: ramp, look-ahead", {.seg_step = 0.05, .recover = plugins::Recover::ramp, .lookahead = true});
-  sod("sod: any number of points", {.seg_step = 0.04, .lookahead = true, .min_points = 0});
-  const auto fixed = [&](std::string name, const FixedWindow::Params& params) {
-    all.push_back({std::move(name),
-                   [params, &environment] { return std::make_unique<FixedWindow>(params, environment.context()); }});
-  };
-  fixed("fixed: 20 ms with history", {.period = 0.02, .frame_length = 0.1});
-  fixed("fixed: sweeps with history", {.cut = FixedWindow::Cut::sweep, .frame_length = 0.3});
-  return all;
-}
+constexpr TimeNs kStart = 1'700'000'000 * kSecond;
 
 TimeNs uniform(std::mt19937_64& random, TimeNs low, TimeNs high) {
   return low + static_cast<TimeNs>(random() % static_cast<std::uint64_t>(high - low + 1));
 }
 
-/// Firings at random intervals with occasional gaps of up to 0.7 s; IMU with jitter and gaps, sometimes ending early.
+/// A schedule of two of the three seconds, with histories of up to 0.2 s.
+std::string random_schedule() {
+  std::mt19937_64 random(5);
+  std::string text = "t_ns,window_begin_ns\n";
+  for (TimeNs t = kStart + 30 * kMs; t < kStart + 2 * kSecond; t += uniform(random, kMs, 120 * kMs)) {
+    text += std::to_string(t) + ',' + std::to_string(t - uniform(random, 0, 200 * kMs)) + '\n';
+  }
+  return text;
+}
+
+/// Every registered window with its defaults and what it cannot do without, and variants. New types join by themselves.
+class Candidates {
+ public:
+  Candidates() {
+    const std::string file = ", file: " + folder_.write("updates.csv", random_schedule()).string();
+    const std::map<std::string, std::string> required = {{"replay", file}};
+    for (const std::string& type : catalog_.types()) {
+      const auto values = required.find(type);
+      all_.push_back("{type: " + type + (values == required.end() ? "" : values->second) + "}");
+    }
+    all_.insert(all_.end(),
+                {"{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 100}",
+                 "{type: sod_adaptive, warmup: 0.3, seg_step: 0.05, recover: ramp, lookahead: true}",
+                 "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, lookahead: true, min_points: 0}",
+                 "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 0, echo: false}",
+                 "{type: fixed, period: 0.02, frame_length: 0.1}", "{type: fixed, cut: sweep, frame_length: 0.3}",
+                 "{type: overlapping, length: 0.07, step: 0.013}", "{type: overlapping, length: 0.05, step: 0.05}",
+                 "{type: motion_rate, min_points: 0, hold: 0}",
+                 "{type: motion_rate, frame_length: 0.2, fast_period: 0.008, threshold_deg: 20}",
+                 "{type: imu_rate, emit: cuts}", "{type: imu_rate, emit: cuts, n_max: 32, rate_unit_deg: 4}",
+                 "{type: imu_rate, frame_length: 0.05, n_max: 20, acc_unit: 0.5}",
+                 "{type: replay, shift: 0.7" + file + "}", "{type: replay, shuffle: true, seed: 3" + file + "}",
+                 "{type: replay, shift: -5, shuffle: true, period: 0.03" + file + "}"});
+  }
+
+  const std::vector<std::string>& all() const { return all_; }
+  std::unique_ptr<WindowStrategy> make(const std::string& candidate) {
+    return catalog_.read(candidate).make(environment_.context());
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+  test::WindowCatalog catalog_;
+  test::BuildEnvironment environment_;
+  std::vector<std::string> all_;
+};
+
+/// Firings at random intervals with occasional gaps of up to 0.7 s; IMU with jitter, gaps and motions of random
+/// strength, sometimes ending early.
 test::FakeStream random_stream(std::mt19937_64& random) {
   std::vector<TimedPoint> points;
   const TimeNs step = uniform(random, kMs / 10, 2 * kMs);
-  TimeNs t = 1'700'000'000 * kSecond;
-  const TimeNs start = t;
+  TimeNs t = kStart;
   const TimeNs end = t + 3 * kSecond;
   while (t < end) {
     t += random() % 400 == 0 ? uniform(random, 20 * kMs, 700 * kMs) : uniform(random, 1, 2 * step);
@@ -69,14 +81,17 @@ test::FakeStream random_stream(std::mt19937_64& random) {
       TimedPoint p;
       p.x = random() % 10 == 0 ? 0.1f : 5.0f;
       p.t = t;
-      p.sweep_id = static_cast<std::uint32_t>((t - start) / (97 * kMs));
+      p.sweep_id = static_cast<std::uint32_t>((t - kStart) / (97 * kMs));
       points.push_back(p);
     }
   }
   std::vector<ImuSample> imu;
-  const TimeNs imu_end = random() % 4 == 0 ? start + 2 * kSecond : end + 50 * kMs;
-  for (t = start - 20 * kMs; t < imu_end; t += uniform(random, 4 * kMs, 6 * kMs)) {
-    imu.push_back({.t = t});
+  const TimeNs imu_end = random() % 4 == 0 ? kStart + 2 * kSecond : end + 50 * kMs;
+  double strength = 0;
+  for (t = kStart - 20 * kMs; t < imu_end; t += uniform(random, 4 * kMs, 6 * kMs)) {
+    if (random() % 30 == 0) strength = 0.1 * static_cast<double>(random() % 11);
+    const double shake = strength * static_cast<double>(random() % 1001) / 1000.0;
+    imu.push_back({.t = t, .gyro = {0, 0, 5.0 * shake}, .acc = {10.0 * shake, 0, kStandardGravity}});
     if (random() % 300 == 0) t += uniform(random, 20 * kMs, 300 * kMs);
   }
   return {std::move(points), std::move(imu)};
@@ -144,21 +159,19 @@ bool same(const WindowPlan& a, const WindowPlan& b) {
 }  // namespace
 
 TEST_CASE("every strategy tiles any stream, each point once, however the data was packed") {
-  plugin::Catalog catalog;
-  plugins::register_all(catalog);
-  test::BuildEnvironment environment;
-  for (const Candidate& candidate : candidates(environment, catalog)) {
+  Candidates candidates;
+  for (const std::string& candidate : candidates.all()) {
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      CAPTURE(candidate.name, seed);
+      CAPTURE(candidate, seed);
       std::mt19937_64 random(seed);
       const test::FakeStream stream = random_stream(random);
-      const auto strategy = candidate.make();
+      const auto strategy = candidates.make(candidate);
       REQUIRE(strategy);
       const auto whole = drive(*strategy, stream, seed, 0);
       check_plans(whole, stream.all_points(), strategy->reach());
       for (const TimeNs largest : {7, 96, 5000}) {
         CAPTURE(largest);
-        const auto packed = drive(*candidate.make(), stream, seed + 100, largest);
+        const auto packed = drive(*candidates.make(candidate), stream, seed + 100, largest);
         REQUIRE(packed.size() == whole.size());
         for (std::size_t i = 0; i < whole.size(); ++i) REQUIRE(same(packed[i], whole[i]));
       }
@@ -167,16 +180,14 @@ TEST_CASE("every strategy tiles any stream, each point once, however the data wa
 }
 
 TEST_CASE("an empty stream has no windows") {
-  plugin::Catalog catalog;
-  plugins::register_all(catalog);
-  test::BuildEnvironment environment;
-  for (const Candidate& candidate : candidates(environment, catalog)) {
-    CAPTURE(candidate.name);
-    test::FakeStream stream({}, test::imu_samples(0, 1000 * kMs));
+  Candidates candidates;
+  for (const std::string& candidate : candidates.all()) {
+    CAPTURE(candidate);
+    test::FakeStream stream({}, test::imu_samples(kStart, kStart + kSecond));
     test::FakeProbe probe = test::blind_probe();
-    const auto strategy = candidate.make();
-    test::WindowLoop loop(*strategy, probe, 0, [](const WindowPlan&) { return 1.0; });
-    stream.arrive_until(500 * kMs);
+    const auto strategy = candidates.make(candidate);
+    test::WindowLoop loop(*strategy, probe, kStart, [](const WindowPlan&) { return 1.0; });
+    stream.arrive_until(kStart + 500 * kMs);
     CHECK(loop.run(stream, 10) == 0);
     stream.finish();
     CHECK(loop.run(stream, 10) == 0);

@@ -1,0 +1,74 @@
+#include "windows/replay.hpp"
+
+#include <fmt/format.h>
+
+#include "aslio/core/errors.hpp"
+#include "windows/tiling.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+/// A schedule that begins later than this [ns] is of other data: all of them up to there would make one window.
+constexpr TimeNs kLatestBegin = 10 * kSecond;
+
+ReplaySchedule prepare(const ReplayWindow::Params& params) {
+  if (params.file.empty()) throw ConfigError("window 'replay' needs a 'file': the updates.csv of a run, for example");
+  ReplaySchedule schedule = ReplaySchedule::read(params.file);
+  schedule.rotate(to_ns(params.shift));
+  if (params.shuffle) schedule.shuffle(static_cast<std::uint64_t>(params.seed));
+  return schedule;
+}
+
+}  // namespace
+
+void ReplayWindow::describe(config::Binder& b, Params& p) {
+  b.text("file", p.file,
+         "CSV file with the end of each update in column t_ns, and maybe the begin of its window in window_begin_ns; "
+         "the updates.csv of a run will do. A relative path begins at the working directory");
+  b.real("shift", p.shift, "s", {.min = -1e6, .max = 1e6},
+         "moves the rhythm in time, around the circle from the first update to the last");
+  b.flag("shuffle", p.shuffle,
+         "puts the intervals between updates into a random order; each keeps its length and history");
+  b.integer("seed", p.seed, "", {.min = 0, .max = 1e9}, "draws that order");
+  b.real("period", p.period, "s", {.min = 1e-3, .max = 10.0},
+         "time between updates, without history, once the schedule has ended");
+  b.require(!p.file.empty(), "file", "is missing: name a schedule, such as the updates.csv of a run");
+}
+
+ReplayWindow::ReplayWindow(const Params& params, const BuildContext&)
+    : file_(params.file),
+      schedule_(prepare(params)),
+      period_(to_ns(params.period)),
+      reach_(schedule_.longest_history()) {}
+
+void ReplayWindow::check_begin(TimeNs begin) {
+  const TimeNs first = schedule_.updates().front().end, last = schedule_.updates().back().end;
+  if (last <= begin) {
+    throw DataError(fmt::format("{}: the schedule ends at {} ns, the data begin at {} ns: is it of this recording?",
+                                file_, last, begin));
+  }
+  if (first - begin > kLatestBegin) {
+    throw DataError(fmt::format("{}: the schedule begins at {} ns, {:.0f} s after the data: is it of this recording?",
+                                file_, first, to_seconds(first - begin)));
+  }
+  begun_ = true;
+}
+
+std::optional<WindowPlan> ReplayWindow::next(const StreamView& stream, const Feedback& feedback, OverlapProbe&) {
+  if (exhausted(stream, feedback.t)) return std::nullopt;
+  if (!begun_) check_begin(feedback.t);
+  const ReplaySchedule::Update* update = schedule_.after(feedback.t);
+  const TimeNs shift = update != nullptr ? update->end - feedback.t : period_;  // eq. WIN-7
+  const auto tile = settle(stream, {.begin = feedback.t, .shift = shift, .limit = shift});
+  if (!tile) return std::nullopt;
+  WindowPlan plan;
+  plan.fresh_begin = feedback.t;
+  plan.end = tile->end;
+  plan.history_begin = feedback.t - (update != nullptr ? update->history : 0);
+  plan.shift_time = to_seconds(shift);
+  plan.partial = tile->partial;
+  return plan;
+}
+
+}  // namespace aslio::plugins

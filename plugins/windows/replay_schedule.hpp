@@ -1,0 +1,47 @@
+#pragma once
+/// A schedule of updates from a file, moved in time or shuffled. (WIN-7)
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "aslio/core/time.hpp"
+
+namespace aslio::plugins {
+
+/// When updates end, and how far their windows reach back before their fresh interval.
+class ReplaySchedule {
+ public:
+  struct Update {
+    TimeNs end = 0;
+    TimeNs history = 0;  ///< [ns] before the fresh interval, >= 0
+  };
+
+  /// Reads a CSV file: a header that names `t_ns` (end of an update) and maybe `window_begin_ns`; other columns are
+  /// skipped, so the updates.csv of a run will do. Throws ConfigError when the file cannot be opened, DataError with
+  /// file, line and value when it cannot be understood or the ends do not increase.
+  static ReplaySchedule read(const std::filesystem::path& path);
+  /// The same from text; `source` is named in errors.
+  static ReplaySchedule parse(std::string_view text, const std::string& source);
+
+  /// Moves the rhythm by `shift` around the circle from the first end to the last, which both stay: as many updates
+  /// (one more where the seam falls inside an interval), at other times.
+  void rotate(TimeNs shift);
+  /// Puts the intervals between the ends, each with its history, into an order drawn from `seed`. The first and the
+  /// last end stay.
+  void shuffle(std::uint64_t seed);
+
+  /// First update that ends after t, or null when none does. Pre: t never decreases from call to call.
+  const Update* after(TimeNs t);
+
+  const std::vector<Update>& updates() const { return updates_; }
+  TimeNs longest_history() const;
+
+ private:
+  std::vector<Update> updates_;  ///< ends strictly increasing, never empty
+  std::size_t next_ = 0;
+};
+
+}  // namespace aslio::plugins

@@ -1,0 +1,46 @@
+#pragma once
+/// Windows as a pipeline file names them.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aslio/config/load.hpp"
+#include "aslio/core/errors.hpp"
+#include "aslio/plugin/registry.hpp"
+#include "aslio/stages/window.hpp"
+#include "register_all.hpp"
+
+namespace aslio::test {
+
+/// A pipeline file that holds nothing but a window.
+struct WindowBlock {
+  config::Nested<WindowStrategy> window;
+  static void describe(config::Binder& b, WindowBlock& p) { b.stage("window", p.window, "when to update"); }
+};
+
+class WindowCatalog {
+ public:
+  WindowCatalog() { plugins::register_all(catalog_); }
+
+  std::vector<std::string> types() const { return catalog_.types(WindowStrategy::family); }
+  /// From the value of the key `window`, such as "{type: fixed, period: 0.05}". Throws ConfigError.
+  config::Nested<WindowStrategy> read(const std::string& value) const {
+    const std::string text = "schema: aslio/pipeline/1\nwindow: " + value + "\n";
+    return config::parse<WindowBlock>(text, "window.yaml", config::FileKind::pipeline, catalog_).value.window;
+  }
+  /// What is wrong with it; empty when nothing is.
+  std::string complaint(const std::string& value) const {
+    try {
+      read(value);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+ private:
+  plugin::Catalog catalog_;
+};
+
+}  // namespace aslio::test
