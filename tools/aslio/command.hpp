@@ -28,6 +28,7 @@ Command add_diff(CLI::App& root);
 Command add_inspect(CLI::App& root);
 Command add_evaluate(CLI::App& root);
 Command add_simulate(CLI::App& root);
+Command add_experiment(CLI::App& root);
 Command add_version(CLI::App& root);
 
 }  // namespace aslio::cli

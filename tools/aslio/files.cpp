@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/study.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "aslio/simulator/scene.hpp"
@@ -21,12 +23,20 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
       return {kind, experiment::load_dataset(file).resolved};
     case config::FileKind::scene:
       return {kind, simulator::load_scene(file).resolved};
-    default:
-      throw ConfigError(
-          fmt::format("{}: this version cannot read a {} file; it reads pipeline, sensor, dataset and scene "
-                      "files",
-                      file.string(), config::name(kind)));
+    case config::FileKind::study:
+      return {kind,
+              experiment::load_study(file, stages, {.resolve_scene = resolve_scene, .seeds = {}, .scale = 1}).resolved};
   }
+  throw ConfigError(fmt::format("{}: this version cannot read such a file", file.string()));
+}
+
+std::string resolve_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides) {
+  const simulator::SceneFile file = simulator::load_scene(scene, overrides);
+  std::string text = file.resolved;
+  for (const std::string& read : {file.scene.follow.file, file.scene.world.mesh.file}) {
+    if (!read.empty()) text.append("\n").append(sha256_of_file(scene.parent_path() / read));
+  }
+  return text;
 }
 
 }  // namespace aslio::cli

@@ -1,0 +1,135 @@
+#pragma once
+/// A study: a question, the data and the methods that answer it, and the rule that decides (docs/experiments.md).
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "aslio/config/node.hpp"
+#include "aslio/config/stage_lookup.hpp"
+
+namespace aslio::config {
+class Binder;
+}
+
+namespace aslio::experiment {
+
+/// One entry of `datasets`: a scene with seeds, or a dataset file.
+struct StudyDataConfig {
+  std::string scene, dataset;
+  std::string seeds = "1";       ///< "1-10", "3", "1-3,7"
+  std::vector<std::string> set;  ///< `key.path=value`, for the scene
+  std::string name;
+  static void describe(config::Binder& b, StudyDataConfig& data);
+};
+
+/// One entry of `methods`.
+struct StudyMethodConfig {
+  std::string name, pipeline;
+  config::Node set;  ///< map of dotted paths to values
+  static void describe(config::Binder& b, StudyMethodConfig& method);
+};
+
+/// One entry of `vary`.
+struct StudyAxisConfig {
+  std::string path;
+  config::Node values;  ///< list
+  static void describe(config::Binder& b, StudyAxisConfig& axis);
+};
+
+/// Study file (`schema: aslio/study/1`) as written. Paths are relative to the folder of the file.
+struct StudyConfig {
+  std::string question, prediction, rule;
+  std::vector<StudyDataConfig> datasets;
+  std::vector<StudyMethodConfig> methods;
+  std::vector<StudyAxisConfig> vary;
+  std::vector<double> order_seeds{0.0};
+  std::string baseline;
+  std::vector<std::string> metrics{"ate_m", "ate_deg", "end_to_end_m"};
+  double time_limit = 600;     ///< of a run [s]
+  double memory_limit = 8000;  ///< resident memory of a run [MB]
+  static void describe(config::Binder& b, StudyConfig& study);
+};
+
+/// What `metrics` may name: the figures of summary.json by the names that tables give them.
+const std::vector<std::string>& study_metrics();
+
+/// One recording of the study: a dataset file, or a scene with a seed that is still to be simulated.
+struct StudyData {
+  std::string name;                   ///< of its folder: that of the sequence, with _SEED when simulated
+  std::string sequence;               ///< what tables call it
+  std::optional<std::uint64_t> seed;  ///< of the simulation
+  std::filesystem::path scene;        ///< empty for a recording
+  std::vector<std::string> set;       ///< overrides of the scene
+  double scale = 1;                   ///< of the scene
+  std::filesystem::path dataset;      ///< empty for a scene
+  std::string identity;               ///< SHA-256 of everything that makes these data what they are
+};
+
+/// One method: a pipeline with overrides, at one point of the grid of axes.
+struct StudyMethod {
+  std::string name;  ///< with the suffixes of the axes
+  std::string base;  ///< without
+  std::filesystem::path pipeline;
+  std::vector<std::string> set;   ///< `key.path=value`; may hold {run:NAME}, the folder of another method's run
+  std::vector<std::string> axes;  ///< value on each axis, as text
+  /// Names in {run:NAME}, and the methods they mean, all of which stand before this one.
+  std::vector<std::pair<std::string, std::size_t>> uses;
+  std::string resolved;  ///< pipeline with every key at its effective value
+};
+
+/// A study that has been checked: every file it names exists, every pipeline with its overrides is valid.
+struct Study {
+  std::filesystem::path path;
+  std::string name;  ///< stem of the file
+  StudyConfig config;
+  std::vector<StudyData> data;       ///< in the order written, seeds ascending as written
+  std::vector<StudyMethod> methods;  ///< in the order written, the last axis fastest
+  std::vector<std::string> axes;     ///< paths
+  std::vector<std::uint64_t> order_seeds;
+  /// By method: the one to compare it with, if any. A baseline with axes: the variant at the same values.
+  std::vector<std::optional<std::size_t>> baseline;
+  std::string resolved;  ///< YAML with every key at its effective value
+};
+
+struct StudyReading {
+  /// Effective text of a scene with overrides and of every file it reads. Throws ConfigError. Given by the caller:
+  /// the framework does not know the simulator.
+  std::function<std::string(const std::filesystem::path& scene, const std::vector<std::string>& set)> resolve_scene;
+  std::optional<std::vector<std::uint64_t>> seeds;  ///< in place of those of every scene
+  double scale = 1;                                 ///< of every scene
+};
+
+/// Reads and checks a study file. Throws ConfigError with everything that is wrong: file, line, column, remedy.
+Study load_study(const std::filesystem::path& path, const config::StageLookup& stages, const StudyReading& reading);
+
+/// "1-10", "3", "1-3,7" as numbers in the order written; nothing when the text is none of these, names a number twice
+/// or more than 10 000 of them.
+std::optional<std::vector<std::uint64_t>> parse_seeds(std::string_view text);
+
+/// One run of the study: data x order seed x method.
+struct StudyRun {
+  std::size_t data = 0, method = 0;
+  std::uint64_t order_seed = 0;
+  std::string folder;             ///< name inside the folder of the data
+  std::string key;                ///< SHA-256 of configuration, data, program and the runs it uses
+  std::vector<std::size_t> uses;  ///< runs that must be finished before
+};
+
+/// All runs, by data, order seed and method. `program` identifies the program with its plugins.
+std::vector<StudyRun> plan_runs(const Study& study, std::string_view program);
+
+/// Overrides of the run's pipeline with {run:NAME} replaced by folders below `runs_folder`.
+std::vector<std::string> overrides_of(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
+                                      const std::filesystem::path& runs_folder);
+
+/// By run: whether "DATA/FOLDER", the name of its data or that of its method matches the glob, or a matching run uses
+/// it. An empty glob matches all.
+std::vector<bool> select_runs(const Study& study, const std::vector<StudyRun>& runs, const std::string& glob);
+
+}  // namespace aslio::experiment

@@ -1,0 +1,50 @@
+#pragma once
+/// What the runs of a study came to: one row per run, and tables of them.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "aslio/experiment/study.hpp"
+
+namespace aslio::experiment {
+
+/// How a run ended. Status: that of summary.json, or `crashed`, `timeout`, `memory`, or `failed` without a summary.
+struct StudyOutcome {
+  std::string status, reason;
+  double wall_s = 0;
+  bool final = false;  ///< another run would end in the same way: it ended by itself, with a summary
+};
+
+/// A run with its figures.
+struct StudyRow {
+  StudyOutcome outcome;
+  std::vector<std::pair<std::string, double>> figures;  ///< those there are, in the order of summary.json
+
+  /// Neither failed nor diverged.
+  bool good() const { return outcome.status == "ok" || outcome.status == "degraded"; }
+  std::optional<double> figure(std::string_view name) const;
+};
+
+/// Writes `run_key.json`, the mark of a finished run.
+void write_outcome(const std::filesystem::path& folder, const std::string& key, const StudyOutcome& outcome);
+/// Of a run folder that was finished under this key; nothing otherwise.
+std::optional<StudyOutcome> read_outcome(const std::filesystem::path& folder, const std::string& key);
+
+/// Status and reason of summary.json; nothing when there is none, or none that can be read.
+std::optional<StudyOutcome> read_summary_outcome(const std::filesystem::path& folder);
+/// The row of a finished run; figures from its summary.json.
+StudyRow read_row(const std::filesystem::path& folder, const StudyOutcome& outcome);
+
+/// results.csv: a line per row that there is, in the order of the runs.
+std::string results_csv(const Study& study, const std::vector<StudyRun>& runs,
+                        const std::vector<std::optional<StudyRow>>& rows);
+/// table.md: what the study asks; per metric a table of sequences and methods with medians over seeds, and the
+/// comparison with the baseline; the failures with their reasons.
+std::string results_markdown(const Study& study, const std::vector<StudyRun>& runs,
+                             const std::vector<std::optional<StudyRow>>& rows);
+
+}  // namespace aslio::experiment

@@ -1,0 +1,51 @@
+#pragma once
+/// Runs a study: every simulation and every run a child process of this program.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aslio/experiment/study.hpp"
+#include "aslio/experiment/study_results.hpp"
+
+namespace aslio::experiment {
+
+struct StudyOptions {
+  std::filesystem::path output;
+  /// Simulated data, shared between studies; absent: inside `output`, and gone when they have served.
+  std::optional<std::filesystem::path> data;
+  int jobs = 1;  ///< child processes at once
+  bool keep_data = false;
+  std::string only;                      ///< glob of select_runs()
+  std::string program;                   ///< identity of this program, for plan_runs()
+  std::vector<std::string> run_options;  ///< further options of every run, as `--plugin FILE`
+};
+
+/// How a study talks to whoever started it.
+class StudyMonitor {
+ public:
+  virtual ~StudyMonitor() = default;
+  virtual void on_line(const std::string& line) = 0;
+  /// True ends the children and the study; what is finished stays.
+  virtual bool stop_requested() = 0;
+};
+
+struct StudyResult {
+  std::vector<StudyRun> runs;
+  std::vector<std::optional<StudyRow>> rows;  ///< by run; nothing where it has not been made
+  bool interrupted = false;
+
+  std::size_t failures() const;
+};
+
+/// What there is in `output` of an earlier call: rows of the runs that need not be repeated.
+std::vector<std::optional<StudyRow>> finished_rows(const Study& study, const std::vector<StudyRun>& runs,
+                                                   const std::filesystem::path& output);
+
+/// Makes the runs that are not finished, writes results.csv and table.md whenever the runs over a recording are done.
+/// A run that fails, crashes or exceeds a limit is a row. Throws ConfigError for an output folder that cannot be used
+/// (another study is at work there), DataError when it cannot be written.
+StudyResult run_study(const Study& study, const StudyOptions& options, StudyMonitor& monitor);
+
+}  // namespace aslio::experiment

@@ -1,0 +1,123 @@
+// The keys of a study file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "aslio/config/binder.hpp"
+#include "aslio/experiment/study.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+constexpr std::size_t kMostSeeds = 10'000;
+
+std::optional<std::uint64_t> whole_number(std::string_view text) {
+  std::uint64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end || text.empty()) return std::nullopt;
+  return value;
+}
+
+/// False: no range, or too many numbers in all.
+bool append_range(std::string_view text, std::vector<std::uint64_t>& seeds) {
+  const std::size_t dash = text.find('-');
+  const auto first = whole_number(text.substr(0, dash));
+  const auto last = dash == std::string_view::npos ? first : whole_number(text.substr(dash + 1));
+  if (!first || !last || *last < *first || *last - *first >= kMostSeeds) return false;
+  for (std::uint64_t seed = *first;; ++seed) {
+    if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end()) return false;
+    seeds.push_back(seed);
+    if (seed == *last) break;
+  }
+  return seeds.size() <= kMostSeeds;
+}
+
+bool whole_and_distinct(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return std::adjacent_find(values.begin(), values.end()) == values.end() &&
+         std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
+}
+
+}  // namespace
+
+const std::vector<std::string>& study_metrics() {
+  static const std::vector<std::string> names = {"ate_m",       "ate_deg",     "rpe",        "end_to_end_m",
+                                                 "matched",     "coverage",    "updates",    "rate_hz",
+                                                 "cpu_s_per_s", "peak_rss_mb", "weak_share", "path_length_m"};
+  return names;
+}
+
+std::optional<std::vector<std::uint64_t>> parse_seeds(std::string_view text) {
+  std::vector<std::uint64_t> seeds;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    if (!append_range(text.substr(0, comma), seeds)) return std::nullopt;
+    if (comma == std::string_view::npos) return seeds;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+void StudyDataConfig::describe(config::Binder& b, StudyDataConfig& data) {
+  b.text("scene", data.scene, "scene file, simulated when its runs begin; this or `dataset`");
+  b.text("dataset", data.dataset, "dataset file, or a folder with dataset.yaml; this or `scene`");
+  b.text("seeds", data.seeds, "of the simulation, as in 1-10 or 1-3,7; one recording each");
+  b.texts("set", data.set, {}, "key.path=value, for the scene");
+  b.text("name", data.name, "what tables call the sequence; empty: the name of the scene file, or of the dataset");
+  b.require(data.scene.empty() != data.dataset.empty(), "scene",
+            "and dataset exclude each other, and one is required: name a scene file or a dataset file");
+  b.require(parse_seeds(data.seeds).has_value(), "seeds",
+            fmt::format("must be whole numbers and ranges, each once and at most {}, as in 1-10 or 1-3,7", kMostSeeds));
+  b.require(data.dataset.empty() || data.set.empty(), "set", "changes a scene; a dataset file has its own keys");
+}
+
+void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
+  b.text("name", method.name, "what tables call the method, and its folder; required");
+  b.text("pipeline", method.pipeline, "pipeline file; required");
+  b.tree("set", method.set,
+         "dotted paths with the values to set there; {run:NAME} in a text is the folder of that method's run over the "
+         "same data");
+  b.require(!method.name.empty(), "name", "is required");
+  b.require(!method.pipeline.empty(), "pipeline", "is required: name a pipeline file");
+  b.require(method.set.is_null() || method.set.is_map(), "set",
+            "must be a block of dotted paths and values, as in {window.period: 0.05}");
+}
+
+void StudyAxisConfig::describe(config::Binder& b, StudyAxisConfig& axis) {
+  b.text("path", axis.path, "dotted path of the pipelines, required");
+  b.tree("values", axis.values, "list of values to set there, required");
+  b.require(!axis.path.empty(), "path", "is required, as in overlap.voxel");
+  b.require(axis.values.is_list() && !axis.values.items().empty(), "values",
+            "must be a list of values, as in [0.1, 0.2]");
+}
+
+void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
+  constexpr double kMostSeed = 9007199254740991.0;  // whole numbers beyond it are not exact
+  b.text("question", study.question, "what the study asks; required");
+  b.text("prediction", study.prediction, "what is expected, and why; required");
+  b.text("rule", study.rule, "what outcome decides it, and how; required");
+  b.groups("datasets", study.datasets, "the data, one table row per entry; required");
+  b.groups("methods", study.methods, "the pipelines, one table column each; required");
+  b.groups("vary", study.vary, "axes: every method is run at every combination of their values");
+  b.reals("order_seeds", study.order_seeds, 0, "", {.min = 0.0, .max = kMostSeed},
+          "seeds of `aslio run`: replicates over the same data");
+  b.text("baseline", study.baseline, "method to compare the others with; empty: none");
+  b.texts("metrics", study.metrics, study_metrics(), "figures that tables show");
+  b.real("time_limit", study.time_limit, "s", {.above = 0.0, .max = 1e6}, "of a run; longer ones are ended");
+  b.real("memory_limit", study.memory_limit, "MB", {.min = 1.0, .max = 1e7},
+         "resident memory of a run; larger ones are ended");
+  const std::string_view paragraph = "is required: one paragraph, written before the study is run";
+  b.require(!study.question.empty(), "question", paragraph);
+  b.require(!study.prediction.empty(), "prediction", paragraph);
+  b.require(!study.rule.empty(), "rule", paragraph);
+  b.require(!study.datasets.empty(), "datasets", "is required: list scenes with seeds, or dataset files");
+  b.require(!study.methods.empty(), "methods", "is required: list names with pipeline files");
+  b.require(!study.order_seeds.empty() && whole_and_distinct(study.order_seeds), "order_seeds",
+            "must be whole numbers, at least one and each once");
+  b.require(!study.metrics.empty(), "metrics", "must name at least one figure");
+}
+
+}  // namespace aslio::experiment

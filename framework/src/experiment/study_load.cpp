@@ -1,0 +1,329 @@
+// From a study file to a checked study: what the keys name is read, the grid of methods is laid out.
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "aslio/config/document.hpp"
+#include "aslio/config/load.hpp"
+#include "aslio/config/problems.hpp"
+#include "aslio/core/errors.hpp"
+#include "aslio/core/sha256.hpp"
+#include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/study.hpp"
+#include "aslio/pipeline/odometry.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+using config::Location;
+using config::Node;
+
+constexpr std::size_t kMostMethods = 10'000;
+
+bool name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
+         c == '+' || c == '-';
+}
+
+/// Usable as the name of a folder, and plain in tables.
+bool valid_name(const std::string& name) {
+  return !name.empty() && name.size() <= 120 && name.front() != '.' && name.front() != '-' &&
+         std::all_of(name.begin(), name.end(), name_character);
+}
+
+constexpr std::string_view kNameRule =
+    "is no name: use letters, digits, '_', '.', '+' and '-', without '.' or '-' in front";
+
+/// A value as part of a name: what a name may not have becomes '_'.
+std::string label(const Node& value) {
+  const std::string text = value.is_scalar() ? value.text() : config::to_line(value);
+  std::string out;
+  for (const char c : text) {
+    if (name_character(c)) {
+      out += c;
+    } else if (!out.empty() && out.back() != '_') {
+      out += '_';
+    }
+  }
+  while (out.ends_with('_')) out.pop_back();
+  return out;
+}
+
+/// Size and time of change: bags are too large to be read for every look at a study.
+std::string file_identity(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return "gone";
+  return fmt::format("{} {}.{:09}", status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+}
+
+std::string input_identity(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return file_identity(path);
+  std::vector<std::string> lines;
+  for (const auto& entry : fs::recursive_directory_iterator(path, error)) {
+    lines.push_back(entry.path().lexically_relative(path).generic_string() + " " + file_identity(entry.path()));
+  }
+  std::sort(lines.begin(), lines.end());
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
+std::string recording_identity(const Dataset& dataset) {
+  std::string text = fmt::format("recording\n{}\n{}\n{}\n", dataset.resolved, input_identity(dataset.input),
+                                 sha256_of_file(dataset.sensor));
+  if (dataset.reference) text += sha256_of_file(*dataset.reference);
+  return sha256_of(text);
+}
+
+class Reader {
+ public:
+  Reader(const fs::path& path, const config::StageLookup& stages, const StudyReading& reading)
+      : stages_(stages), reading_(reading), folder_(path.parent_path()) {
+    study_.path = path;
+    study_.name = path.stem().string();
+  }
+
+  Study read() {
+    const std::string text = config::read_text(study_.path);
+    study_.resolved =
+        config::bind_text(text, study_.path.string(), config::FileKind::study, stages_, {}, [&](config::Binder& b) {
+          StudyConfig::describe(b, study_.config);
+        }).resolved;
+    root_ = config::parse_document(text, study_.path.string());
+    for (const double seed : study_.config.order_seeds) study_.order_seeds.push_back(static_cast<std::uint64_t>(seed));
+    for (const StudyAxisConfig& axis : study_.config.vary) study_.axes.push_back(axis.path);
+    for (std::size_t i = 0; i < study_.config.datasets.size(); ++i) add_data(study_.config.datasets[i], i);
+    require_distinct_data();
+    lay_out_methods();
+    find_baselines();
+    problems_.raise();
+    return std::move(study_);
+  }
+
+ private:
+  fs::path at(const std::string& written) const { return (folder_ / written).lexically_normal(); }
+
+  /// Place of `key` in item `index` of `list`; of the item where the key was left out.
+  Location place(std::string_view list, std::size_t index, std::string_view key) const {
+    const config::Member* items = root_.find(list);
+    if (items == nullptr || index >= items->value.items().size()) return root_.at();
+    const Node& item = items->value.items()[index];
+    const config::Member* member = item.find(key);
+    return member != nullptr ? member->value.at() : item.at();
+  }
+
+  void add_data(const StudyDataConfig& config, std::size_t index) {
+    if (config.scene.empty()) {
+      add_recording(config, index);
+    } else {
+      add_scene(config, index);
+    }
+  }
+
+  void add_recording(const StudyDataConfig& config, std::size_t index) {
+    StudyData data;
+    try {
+      const Dataset dataset = load_dataset(at(config.dataset));
+      data.name = data.sequence = config.name.empty() ? dataset.name : config.name;
+      data.dataset = dataset.file;
+      data.identity = recording_identity(dataset);
+    } catch (const std::exception& error) {
+      problems_.add(place("datasets", index, "dataset"), error.what());
+      return;
+    }
+    add_named(std::move(data), index);
+  }
+
+  void add_scene(const StudyDataConfig& config, std::size_t index) {
+    StudyData data;
+    data.scene = at(config.scene);
+    data.set = config.set;
+    data.scale = reading_.scale;
+    data.sequence = config.name.empty() ? data.scene.stem().string() : config.name;
+    std::string resolved;
+    try {
+      resolved = reading_.resolve_scene(data.scene, data.set);
+    } catch (const ConfigError& error) {
+      problems_.add(place("datasets", index, "scene"), error.what());
+      return;
+    }
+    const auto seeds = reading_.seeds ? reading_.seeds : parse_seeds(config.seeds);
+    for (const std::uint64_t seed : *seeds) {
+      data.seed = seed;
+      data.name = fmt::format("{}_{}", data.sequence, seed);
+      data.identity = sha256_of(fmt::format("scene\n{}\nseed {}\nscale {}\n", resolved, seed, data.scale));
+      add_named(data, index);
+    }
+  }
+
+  void add_named(StudyData data, std::size_t index) {
+    if (!valid_name(data.name)) {
+      problems_.add(place("datasets", index, "name"), fmt::format("'{}' {}", data.name, kNameRule));
+      return;
+    }
+    data_entries_.push_back(index);
+    study_.data.push_back(std::move(data));
+  }
+
+  void require_distinct_data() {
+    std::map<std::string, std::size_t> first;  // entry by name
+    for (std::size_t i = 0; i < study_.data.size(); ++i) {
+      const auto [other, is_new] = first.emplace(study_.data[i].name, data_entries_[i]);
+      if (is_new) continue;
+      problems_.add(place("datasets", data_entries_[i], "name"),
+                    fmt::format("datasets.{} and datasets.{} both make the data '{}': give one of them another name",
+                                other->second, data_entries_[i], study_.data[i].name));
+      return;
+    }
+  }
+
+  void lay_out_methods() {
+    for (std::size_t i = 0; i < study_.config.methods.size(); ++i) {
+      const StudyMethodConfig& config = study_.config.methods[i];
+      if (!valid_name(config.name)) {
+        problems_.add(place("methods", i, "name"), fmt::format("'{}' {}", config.name, kNameRule));
+        continue;
+      }
+      std::vector<std::size_t> at_axes(study_.config.vary.size(), 0);
+      const std::size_t before = problems_.size();
+      do {
+        add_method(config, i, at_axes);
+      } while (problems_.size() == before && advance(at_axes));
+    }
+  }
+
+  /// The next combination, the last axis fastest; false behind the last one.
+  bool advance(std::vector<std::size_t>& at_axes) const {
+    for (std::size_t k = at_axes.size(); k-- > 0;) {
+      if (++at_axes[k] < study_.config.vary[k].values.items().size()) return true;
+      at_axes[k] = 0;
+    }
+    return false;
+  }
+
+  void add_method(const StudyMethodConfig& config, std::size_t index, const std::vector<std::size_t>& at_axes) {
+    StudyMethod method;
+    method.name = method.base = config.name;
+    method.pipeline = at(config.pipeline);
+    for (const config::Member& member : config.set.members()) {
+      method.set.push_back(member.key + "=" + config::to_line(member.value));
+    }
+    for (std::size_t k = 0; k < at_axes.size(); ++k) {
+      const StudyAxisConfig& axis = study_.config.vary[k];
+      const Node& value = axis.values.items()[at_axes[k]];
+      const std::string text = label(value);
+      method.set.push_back(axis.path + "=" + config::to_line(value));
+      method.axes.push_back(text);
+      method.name += fmt::format("_{}_{}", axis.path.substr(axis.path.rfind('.') + 1), text);
+    }
+    if (study_.methods.size() >= kMostMethods) {
+      problems_.add(place("vary", 0, "values"), fmt::format("more than {} methods in the grid", kMostMethods));
+      return;
+    }
+    if (!valid_name(method.name) || find_method(method.name)) {
+      problems_.add(
+          place("methods", index, "name"),
+          fmt::format("'{}' {}", method.name,
+                      find_method(method.name) ? "is the name of two methods: name one of them otherwise" : kNameRule));
+      return;
+    }
+    if (resolve(method, index) && find_uses(method, index)) study_.methods.push_back(std::move(method));
+  }
+
+  /// False: the pipeline with its overrides is wrong, which has been noted.
+  bool resolve(StudyMethod& method, std::size_t index) {
+    std::vector<config::Override> overrides;
+    for (const std::string& assignment : method.set) overrides.push_back({assignment});
+    try {
+      method.resolved =
+          config::load<pipeline::PipelineConfig>(method.pipeline, config::FileKind::pipeline, stages_, overrides)
+              .resolved;
+      return true;
+    } catch (const ConfigError& error) {
+      const bool set = study_.config.methods[index].set.is_map();
+      problems_.add(place("methods", index, set ? "set" : "pipeline"),
+                    fmt::format("method '{}': {}", method.name, error.what()));
+      return false;
+    }
+  }
+
+  /// Methods named as {run:NAME}. One with axes is meant at the same values. False: there is none, which was noted.
+  bool find_uses(StudyMethod& method, std::size_t index) {
+    constexpr std::string_view kOpen = "{run:";
+    for (const std::string& assignment : method.set) {
+      for (std::size_t begin = assignment.find(kOpen); begin != std::string::npos;
+           begin = assignment.find(kOpen, begin + 1)) {
+        const std::size_t end = assignment.find('}', begin);
+        const std::string name = assignment.substr(begin + kOpen.size(), end - begin - kOpen.size());
+        const auto used = find_variant(name, method.axes);
+        if (end == std::string::npos || !used) {
+          problems_.add(place("methods", index, "set"),
+                        fmt::format("{{run:{}}}: no method of that name stands before '{}'; there are: {}", name,
+                                    method.name, names_so_far()));
+          return false;
+        }
+        const std::pair<std::string, std::size_t> use(name, *used);
+        if (std::find(method.uses.begin(), method.uses.end(), use) == method.uses.end()) method.uses.push_back(use);
+      }
+    }
+    return true;
+  }
+
+  std::optional<std::size_t> find_method(const std::string& name) const {
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      if (study_.methods[i].name == name) return i;
+    }
+    return std::nullopt;
+  }
+
+  /// The method of this name, or the variant of the method of this name at the same values of all axes.
+  std::optional<std::size_t> find_variant(const std::string& name, const std::vector<std::string>& axes) const {
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      if (study_.methods[i].base == name && study_.methods[i].axes == axes) return i;
+    }
+    return find_method(name);
+  }
+
+  std::string names_so_far() const {
+    std::vector<std::string> names;
+    for (const StudyMethod& method : study_.methods) {
+      if (std::find(names.begin(), names.end(), method.base) == names.end()) names.push_back(method.base);
+    }
+    return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+  }
+
+  void find_baselines() {
+    const std::string& name = study_.config.baseline;
+    study_.baseline.assign(study_.methods.size(), std::nullopt);
+    if (name.empty() || problems_.size() > 0) return;
+    bool any = false;
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      const auto base = find_variant(name, study_.methods[i].axes);
+      any = any || base;
+      if (base && *base != i) study_.baseline[i] = base;
+    }
+    if (any) return;
+    problems_.add(root_.find("baseline")->value.at(),
+                  fmt::format("'baseline' names no method: '{}'; there are: {}", name, names_so_far()));
+  }
+
+  const config::StageLookup& stages_;
+  const StudyReading& reading_;
+  fs::path folder_;
+  Study study_;
+  Node root_;
+  config::Problems problems_;
+  std::vector<std::size_t> data_entries_;  // by data: index in `datasets`
+};
+
+}  // namespace
+
+Study load_study(const fs::path& path, const config::StageLookup& stages, const StudyReading& reading) {
+  return Reader(path, stages, reading).read();
+}
+
+}  // namespace aslio::experiment

@@ -1,0 +1,362 @@
+// What runs when: one loop that starts and watches child processes.
+#include "aslio/experiment/study_run.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/io/writers.hpp"
+#include "study_process.hpp"
+#include "study_store.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kLook = std::chrono::milliseconds(5);  // between looks at the children
+constexpr double kGrace = 10;                         // for children to end after Ctrl-C [s]
+constexpr double kSimulationLimit = 86400;            // [s]
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void write_file(const fs::path& path, const std::string& text) {
+  io::AtomicFile file(path);
+  file.write(text);
+  file.close();
+}
+
+/// First complaint in a log; empty when there is none.
+std::string complaint(const fs::path& log) {
+  std::ifstream stream(log);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("error: ")) return line.substr(7);
+  }
+  return {};
+}
+
+std::string exit_text(const ChildEnd& end, const fs::path& log) {
+  if (end.cause == ChildEnd::Cause::signal) {
+    const char* name = ::sigdescr_np(end.code);
+    return fmt::format("ended by signal {} ({})", end.code, name != nullptr ? name : "unknown");
+  }
+  const std::string text = complaint(log);
+  return text.empty() ? fmt::format("exit code {} without a complaint", end.code) : text;
+}
+
+class Schedule {
+ public:
+  Schedule(const Study& study, const StudyOptions& options, StudyMonitor& monitor)
+      : study_(study),
+        options_(options),
+        monitor_(monitor),
+        runs_folder_(fs::absolute(options.output) / "runs"),
+        store_(options.output, options.data, options.keep_data) {
+    result_.runs = plan_runs(study, options.program);
+    result_.rows = finished_rows(study, result_.runs, options.output);
+    const std::vector<bool> selected = select_runs(study, result_.runs, options.only);
+    data_.resize(study.data.size());
+    states_.resize(result_.runs.size(), RunState::skipped);
+    for (std::size_t i = 0; i < result_.runs.size(); ++i) {
+      if (result_.rows[i]) {
+        states_[i] = RunState::finished;
+      } else if (selected[i]) {
+        states_[i] = RunState::waiting;
+        ++data_[result_.runs[i].data].left;
+        ++total_;
+      }
+    }
+  }
+
+  StudyResult run() {
+    while (true) {
+      if (!result_.interrupted && monitor_.stop_requested()) stop();
+      reap();
+      while (!result_.interrupted && active_.size() < static_cast<std::size_t>(options_.jobs) && start_next()) {
+      }
+      if (active_.empty()) break;
+      std::this_thread::sleep_for(kLook);
+    }
+    write_tables();
+    return std::move(result_);
+  }
+
+ private:
+  enum class RunState : unsigned char { skipped, waiting, active, finished };
+  enum class DataState : unsigned char { waiting, simulating, ready };
+  struct DataProgress {
+    DataState state = DataState::waiting;
+    fs::path dataset;      ///< for `aslio run --dataset`
+    std::size_t left = 0;  ///< runs that still need them
+  };
+  /// A child: a run, or the simulation of data.
+  struct Active {
+    std::optional<std::size_t> run;
+    std::size_t data = 0;
+    fs::path folder, log;
+    std::unique_ptr<ChildProcess> child;
+  };
+
+  void stop() {
+    result_.interrupted = true;
+    stopped_ = Clock::now();
+    for (const Active& active : active_) active.child->interrupt();
+  }
+
+  void reap() {
+    const bool late = result_.interrupted && seconds_since(stopped_) > kGrace;
+    for (std::size_t i = 0; i < active_.size();) {
+      if (late) active_[i].child->kill();
+      const auto end = active_[i].child->poll();
+      if (!end) {
+        ++i;
+        continue;
+      }
+      const Active ended = std::move(active_[i]);
+      active_.erase(active_.begin() + static_cast<std::ptrdiff_t>(i));
+      if (ended.run) {
+        finish_run(ended, *end);
+      } else {
+        finish_simulation(ended, *end);
+      }
+    }
+  }
+
+  /// False: nothing can be started now.
+  bool start_next() {
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      if (states_[i] == RunState::waiting && can_start(result_.runs[i])) {
+        start_run(i);
+        return true;
+      }
+    }
+    for (std::size_t d = 0; d < data_.size(); ++d) {
+      if (data_[d].state == DataState::waiting && data_[d].left > 0) return provide(d);
+    }
+    return false;
+  }
+
+  bool can_start(const StudyRun& run) const {
+    return data_[run.data].state == DataState::ready &&
+           std::none_of(run.uses.begin(), run.uses.end(), [&](std::size_t used) {
+             return states_[used] == RunState::waiting || states_[used] == RunState::active;
+           });
+  }
+
+  /// Data that are there are ready at once; others are simulated, unless as many as may be are there already.
+  bool provide(std::size_t d) {
+    const StudyData& data = study_.data[d];
+    if (data.scene.empty()) {
+      data_[d].dataset = data.dataset;
+    } else if (const auto folder = store_.find(data)) {
+      data_[d].dataset = *folder;
+    } else {
+      if (store_.made() > static_cast<std::size_t>(options_.jobs)) return false;
+      start_simulation(d);
+      return true;
+    }
+    data_[d].state = DataState::ready;
+    return true;
+  }
+
+  void start_simulation(std::size_t d) {
+    const StudyData& data = study_.data[d];
+    const fs::path folder = store_.begin(data), log = folder / "log.txt";
+    const unsigned threads = std::max(1U, std::thread::hardware_concurrency() / static_cast<unsigned>(options_.jobs));
+    std::vector<std::string> arguments = {"simulate",  data.scene.string(),
+                                          "--output",  folder.string(),
+                                          "--seed",    fmt::to_string(*data.seed),
+                                          "--scale",   fmt::to_string(data.scale),
+                                          "--threads", fmt::to_string(std::min(threads, 256U)),
+                                          "--quiet"};
+    for (const std::string& assignment : data.set) arguments.insert(arguments.end(), {"--set", assignment});
+    data_[d].state = DataState::simulating;
+    active_.push_back({std::nullopt, d, folder, log,
+                       std::make_unique<ChildProcess>(arguments, log, kSimulationLimit, study_.config.memory_limit)});
+  }
+
+  void finish_simulation(const Active& ended, const ChildEnd& end) {
+    const StudyData& data = study_.data[ended.data];
+    const bool whole = end.cause == ChildEnd::Cause::exit && end.code == 0;
+    if (whole) {
+      data_[ended.data].dataset = store_.commit(data);
+      data_[ended.data].state = DataState::ready;
+      monitor_.on_line(fmt::format("{}: simulated in {:.1f} s", data.name, end.wall_s));
+      return;
+    }
+    const std::string reason = end.cause == ChildEnd::Cause::memory_limit
+                                   ? fmt::format("more than {:g} MB", study_.config.memory_limit)
+                                   : exit_text(end, ended.log);
+    store_.abandon(data);
+    if (result_.interrupted) return;
+    data_[ended.data].state = DataState::ready;
+    for (std::size_t i = 0; i < result_.runs.size(); ++i) {
+      if (result_.runs[i].data != ended.data || states_[i] != RunState::waiting) continue;
+      StudyOutcome outcome{.status = "failed", .reason = "simulation: " + reason, .wall_s = end.wall_s, .final = false};
+      close_run(i, StudyRow{.outcome = std::move(outcome), .figures = {}});
+    }
+  }
+
+  fs::path final_folder(std::size_t i) const {
+    return runs_folder_ / study_.data[result_.runs[i].data].name / result_.runs[i].folder;
+  }
+
+  void start_run(std::size_t i) {
+    const StudyRun& run = result_.runs[i];
+    const StudyMethod& method = study_.methods[run.method];
+    // Under another name until it is finished, so that nothing half-written is taken for a run.
+    fs::path folder = final_folder(i);
+    folder.replace_filename("." + run.folder + ".partial");
+    std::error_code error;
+    fs::remove_all(folder, error);
+    fs::create_directories(folder, error);
+    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
+    std::vector<std::string> arguments = {
+        "run",      method.pipeline.string(), "--dataset", data_[run.data].dataset.string(),
+        "--output", folder.string(),          "--seed",    fmt::to_string(run.order_seed),
+        "--quiet"};
+    for (const std::string& assignment : overrides_of(study_, result_.runs, run, runs_folder_)) {
+      arguments.insert(arguments.end(), {"--set", assignment});
+    }
+    arguments.insert(arguments.end(), options_.run_options.begin(), options_.run_options.end());
+    const fs::path log = folder / "log.txt";
+    states_[i] = RunState::active;
+    active_.push_back(
+        {i, run.data, folder, log,
+         std::make_unique<ChildProcess>(arguments, log, study_.config.time_limit, study_.config.memory_limit)});
+  }
+
+  StudyOutcome judge(const Active& ended, const ChildEnd& end) const {
+    StudyOutcome outcome;
+    if (end.cause == ChildEnd::Cause::time_limit) {
+      outcome.status = "timeout";
+      outcome.reason = fmt::format("longer than {:g} s", study_.config.time_limit);
+    } else if (end.cause == ChildEnd::Cause::memory_limit) {
+      outcome.status = "memory";
+      outcome.reason = fmt::format("more than {:g} MB", study_.config.memory_limit);
+    } else if (end.cause == ChildEnd::Cause::signal) {
+      outcome.status = "crashed";
+      outcome.reason = exit_text(end, ended.log);
+    } else if (const auto summary = read_summary_outcome(ended.folder)) {
+      outcome = *summary;
+      // What could not be read or written may be a matter of this machine, today.
+      outcome.final = end.code != 3 || outcome.status != "failed";
+    } else {
+      outcome.status = "failed";
+      outcome.reason = exit_text(end, ended.log);
+    }
+    outcome.wall_s = end.wall_s;
+    return outcome;
+  }
+
+  void finish_run(const Active& ended, const ChildEnd& end) {
+    const std::size_t i = *ended.run;
+    const StudyOutcome outcome = judge(ended, end);
+    std::error_code error;
+    // Ended because we asked it to, or by the Ctrl-C that we shall hear of in a moment.
+    if (outcome.status == "interrupted" || (result_.interrupted && end.code != 0)) {
+      fs::remove_all(ended.folder, error);
+      states_[i] = RunState::waiting;
+      if (!result_.interrupted) stop();
+      return;
+    }
+    write_outcome(ended.folder, result_.runs[i].key, outcome);
+    const fs::path folder = final_folder(i);
+    fs::remove_all(folder, error);
+    fs::rename(ended.folder, folder, error);
+    if (error) throw DataError(fmt::format("{}: cannot be put there: {}", folder.string(), error.message()));
+    close_run(i, read_row(folder, outcome));
+  }
+
+  void close_run(std::size_t i, StudyRow row) {
+    states_[i] = RunState::finished;
+    result_.rows[i] = std::move(row);
+    ++done_;
+    tell(i);
+    const std::size_t d = result_.runs[i].data;
+    if (--data_[d].left > 0) return;
+    store_.release(study_.data[d]);
+    write_tables();
+  }
+
+  /// "[3/90] indoor_1_3/as_lio: ok, ate_m 0.0312, 14.2 s; 0:14:20 left".
+  void tell(std::size_t i) {
+    const StudyRow& row = *result_.rows[i];
+    std::string line = fmt::format("[{}/{}] {}/{}: {}", done_, total_, study_.data[result_.runs[i].data].name,
+                                   result_.runs[i].folder, row.outcome.status);
+    if (!row.good()) line += fmt::format(" ({})", row.outcome.reason);
+    const std::string& metric = study_.config.metrics.front();
+    if (const auto value = row.figure(metric)) line += fmt::format(", {} {:.4g}", metric, *value);
+    line += fmt::format(", {:.1f} s", row.outcome.wall_s);
+    if (done_ < total_) {
+      const double left = seconds_since(start_) / static_cast<double>(done_) * static_cast<double>(total_ - done_);
+      const auto s = static_cast<long>(std::lround(left));
+      line += fmt::format("; {}:{:02}:{:02} left", s / 3600, s / 60 % 60, s % 60);
+    }
+    monitor_.on_line(line);
+  }
+
+  void write_tables() const {
+    write_file(options_.output / "results.csv", results_csv(study_, result_.runs, result_.rows));
+    write_file(options_.output / "table.md", results_markdown(study_, result_.runs, result_.rows));
+  }
+
+  const Study& study_;
+  const StudyOptions& options_;
+  StudyMonitor& monitor_;
+  fs::path runs_folder_;
+  StudyStore store_;
+  StudyResult result_;
+  std::vector<DataProgress> data_;
+  std::vector<RunState> states_;
+  std::vector<Active> active_;
+  std::size_t total_ = 0, done_ = 0;  ///< runs of this call
+  Clock::time_point start_ = Clock::now(), stopped_;
+};
+
+}  // namespace
+
+std::size_t StudyResult::failures() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row && !row->good(); }));
+}
+
+std::vector<std::optional<StudyRow>> finished_rows(const Study& study, const std::vector<StudyRun>& runs,
+                                                   const fs::path& output) {
+  std::vector<std::optional<StudyRow>> rows(runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const fs::path folder = output / "runs" / study.data[runs[i].data].name / runs[i].folder;
+    const auto outcome = read_outcome(folder, runs[i].key);
+    if (outcome && outcome->final) rows[i] = read_row(folder, *outcome);
+  }
+  return rows;
+}
+
+StudyResult run_study(const Study& study, const StudyOptions& options, StudyMonitor& monitor) {
+  std::error_code error;
+  fs::create_directories(options.output, error);
+  if (!fs::is_directory(options.output)) {
+    throw ConfigError(fmt::format("--output {}: {}; name a folder that exists or can be created",
+                                  options.output.string(), error ? error.message() : "it is not a folder"));
+  }
+  const auto lock = FolderLock::take(options.output, true);
+  if (!lock) {
+    throw ConfigError(
+        fmt::format("--output {}: another `aslio experiment` is at work there; wait for it, or name "
+                    "another folder",
+                    options.output.string()));
+  }
+  return Schedule(study, options, monitor).run();
+}
+
+}  // namespace aslio::experiment

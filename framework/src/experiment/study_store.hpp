@@ -1,0 +1,70 @@
+#pragma once
+/// Simulated data on disk: made under another name, shared with other studies, removed when they have served.
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "aslio/experiment/study.hpp"
+
+namespace aslio::experiment {
+
+/// A lock on a folder that other processes see; given up at the end.
+class FolderLock {
+ public:
+  FolderLock() = default;
+  ~FolderLock();
+  FolderLock(FolderLock&& other) noexcept;
+  FolderLock& operator=(FolderLock&& other) noexcept;
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  /// Nothing when another process holds a lock that excludes this one, or the folder is not there.
+  static std::optional<FolderLock> take(const std::filesystem::path& folder, bool exclusive);
+  /// From the other kind, at once or not at all.
+  bool change(bool exclusive) const;
+
+ private:
+  int file_ = -1;
+};
+
+/// The data of one study. Not for several threads.
+class StudyStore {
+ public:
+  /// `output`: of the study; `shared`: folder of simulated data for any number of studies.
+  StudyStore(std::filesystem::path output, const std::optional<std::filesystem::path>& shared, bool keep);
+  ~StudyStore();
+  StudyStore(const StudyStore&) = delete;
+  StudyStore& operator=(const StudyStore&) = delete;
+
+  /// The folder of these data if they are there, whole; they stay until release().
+  std::optional<std::filesystem::path> find(const StudyData& data);
+  /// An empty folder to simulate into.
+  std::filesystem::path begin(const StudyData& data);
+  /// The folder of begin() holds all: it gets its name.
+  std::filesystem::path commit(const StudyData& data);
+  /// The folder of begin() is given up.
+  void abandon(const StudyData& data);
+  /// No run needs these data any more.
+  void release(const StudyData& data);
+  /// How many of the data were made here and are still there.
+  std::size_t made() const;
+
+ private:
+  struct Entry {
+    std::filesystem::path folder;
+    bool made = false;  ///< by this study: it removes them
+    FolderLock lock;
+  };
+  std::filesystem::path partial(const StudyData& data) const;
+  /// Truth and overlap are small, and what figures need: they stay.
+  void keep_small_files(const StudyData& data, const std::filesystem::path& folder) const;
+  void remove_leftovers() const;
+
+  std::filesystem::path output_, root_;
+  bool own_root_, keep_;
+  std::map<std::string, Entry> entries_;  // by name of the data
+};
+
+}  // namespace aslio::experiment

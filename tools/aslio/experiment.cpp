@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/core/sha256.hpp"
+#include "aslio/experiment/study_run.hpp"
+#include "aslio/simulator/scene.hpp"
+#include "command.hpp"
+#include "console.hpp"
+#include "files.hpp"
+#include "interrupt.hpp"
+#include "options.hpp"
+#include "stages.hpp"
+
+namespace aslio::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string study, output, data, only, seeds;
+  std::vector<std::string> plugins;
+  int jobs = 1;
+  double scale = 1;
+  bool keep_data = false, dry_run = false, quiet = false;
+};
+
+class Monitor final : public experiment::StudyMonitor {
+ public:
+  explicit Monitor(bool quiet) : quiet_(quiet) {}
+  void on_line(const std::string& line) override {
+    if (!quiet_) tell(line);
+  }
+  bool stop_requested() override { return interrupted(); }
+
+ private:
+  bool quiet_;
+};
+
+std::optional<std::vector<std::uint64_t>> seeds_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  auto seeds = experiment::parse_seeds(text);
+  if (!seeds) throw ConfigError(fmt::format("--seeds {}: give whole numbers and ranges, as in 1-3 or 1,4-6", text));
+  return seeds;
+}
+
+/// Runs of another program, or with other plugins, are other runs.
+std::string program_identity(const Stages& stages) {
+  std::string text = sha256_of_file("/proc/self/exe");
+  for (const experiment::PluginFile& plugin : stages.files) text.append("\n").append(plugin.sha256);
+  return text;
+}
+
+std::string plan_text(const experiment::Study& study, const experiment::StudyOptions& options) {
+  const auto runs = experiment::plan_runs(study, options.program);
+  const auto selected = experiment::select_runs(study, runs, options.only);
+  const auto rows = experiment::finished_rows(study, runs, options.output);
+  std::string text;
+  std::size_t open = 0, finished = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!selected[i]) continue;
+    ++(rows[i] ? finished : open);
+    text += fmt::format("{}/{}: {}\n", study.data[runs[i].data].name, runs[i].folder, rows[i] ? "finished" : "to run");
+  }
+  return text + fmt::format("{} runs to do, {} finished\n", open, finished);
+}
+
+int report(const experiment::StudyResult& result, const Arguments& a) {
+  if (result.interrupted) {
+    complain(fmt::format("interrupted: the same command goes on where {} stops", a.output));
+    return kInterrupted;
+  }
+  const std::size_t failures = result.failures();
+  if (!a.quiet) print(fmt::format("output       {}: results.csv, table.md, runs, data\n", a.output));
+  if (failures == 0) return kSuccess;
+  complain(fmt::format("{} of {} runs failed or diverged; {} tells why", failures, result.runs.size(),
+                       (fs::path(a.output) / "table.md").string()));
+  return kRunFailed;
+}
+
+int run_experiment(const Arguments& a) {
+  catch_interrupts();
+  const Stages stages = load_stages(a.plugins);
+  const experiment::StudyReading reading{.resolve_scene = resolve_scene, .seeds = seeds_of(a.seeds), .scale = a.scale};
+  const experiment::Study study = experiment::load_study(a.study, stages.catalog, reading);
+  experiment::StudyOptions options;
+  options.output = a.output;
+  if (!a.data.empty()) options.data = a.data;
+  options.jobs = a.jobs;
+  options.keep_data = a.keep_data;
+  options.only = a.only;
+  options.program = program_identity(stages);
+  for (const std::string& plugin : a.plugins) {
+    options.run_options.insert(options.run_options.end(), {"--plugin", plugin});
+  }
+  if (a.dry_run) {
+    print(plan_text(study, options));
+    return kSuccess;
+  }
+  Monitor monitor(a.quiet);
+  return report(experiment::run_study(study, options, monitor), a);
+}
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("STUDY", a.study, "study file (schema: aslio/study/1)")->required()->check(CLI::ExistingFile);
+  app.add_option("--output", a.output, "folder for runs and tables; what is finished there is not repeated")
+      ->required();
+  app.add_option("--jobs", a.jobs, "runs and simulations at once; the tables are the same for any number")
+      ->check(whole_number(1, 256))
+      ->capture_default_str();
+  app.add_option("--only", a.only, "runs whose DATA/METHOD, data or method matches the pattern (*, ?, [..])")
+      ->type_name("GLOB");
+  app.add_option("--seeds", a.seeds, "in place of those of every scene, as in 1-3 or 1,4-6")->type_name("SEEDS");
+  app.add_option("--scale", a.scale, "scales every scene, as in `aslio simulate`")
+      ->check(number(0.1, 3))
+      ->capture_default_str();
+  app.add_option("--data", a.data,
+                 "folder for simulated data that several studies share; what lies there already is used and stays");
+  app.add_flag("--keep-data", a.keep_data, "keeps simulated data when their last run has ended");
+  app.add_flag("--dry-run", a.dry_run, "checks everything, tells the runs and what is finished of them, runs nothing");
+  add_plugin_option(app, a.plugins);
+  app.add_flag("--quiet", a.quiet, "no progress and no report; errors remain");
+}
+
+}  // namespace
+
+Command add_experiment(CLI::App& root) {
+  CLI::App* app = root.add_subcommand("experiment", "Runs a study: methods over data, with tables of the outcome.");
+  auto arguments = std::make_shared<Arguments>();
+  add_options(*app, *arguments);
+  app->footer(
+      "Every run is a process of its own: one that crashes or hangs is a row of the table with its reason.\n\n"
+      "Example:\n"
+      "  aslio experiment experiments/table_1.yaml --output out/table_1 --jobs 2 --seeds 1-3");
+  return {app, [=] { return run_experiment(*arguments); }};
+}
+
+}  // namespace aslio::cli
