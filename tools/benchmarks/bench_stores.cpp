@@ -1,6 +1,8 @@
 // Cost per point and memory per cell of the occupancy stores, on sweeps of 24000 points that move 1 m per frame along a
 // street: the store alone, and soft_voxel with each store. Thread CPU time, one thread.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -155,20 +157,21 @@ int main() {
   plugins::register_all(catalog);
   for (const std::string voxel : {"0.1", "0.2", "0.4"}) {
     for (const int depth : {0, 3}) {
-      heading("store alone, voxel " + voxel + " m, " + std::to_string(depth) + " layers", "   B/cell     cells");
+      heading(fmt::format("store alone, voxel {} m, {} layers", voxel, depth), "   B/cell     cells");
       for (const auto& type : catalog.types(OccupancyStore::family)) {
         const auto store = file_of<StoreFile>("store: " + type, catalog).store.make(context);
         print(type, bench_store(*store, std::stod(voxel), depth));
       }
     }
     for (const std::string most : {"0", "5000"}) {
-      heading("soft_voxel, voxel " + voxel + " m, max_points " + most, "                 mean O");
+      heading(fmt::format("soft_voxel, voxel {} m, max_points {}", voxel, most), "                 mean O");
       for (const auto& type : catalog.types(OccupancyStore::family)) {
         for (const std::string delay : {"0", "0.1"}) {
-          std::string text = "overlap: {type: soft_voxel, voxel: " + voxel;
-          text += ", max_points: " + most + ", delay: " + delay + ", store: " + type + "}";
+          const std::string text =
+              fmt::format("overlap: {{type: soft_voxel, voxel: {}, max_points: {}, delay: {}, store: {}}}", voxel, most,
+                          delay, type);
           const auto metric = file_of<MetricFile>(text, catalog).overlap.make(context);
-          print(type + ", delay " + delay + " s", bench_metric(*metric));
+          print(fmt::format("{}, delay {} s", type, delay), bench_metric(*metric));
         }
       }
     }

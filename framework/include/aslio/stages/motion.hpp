@@ -47,8 +47,8 @@ struct MotionSegment {
 };
 
 /// Contract. step() advances the state over one interval between two consecutive IMU samples and returns the segment it
-/// assumed; linearise() gives the exact first-order transition of that step for the error (theta, p, v, b_w, b_a, g, s, d):
-/// F (28x28) and G Q G^T added to P by propagate_covariance(). Stateless; thread-safe; no allocation.
+/// assumed; linearise() gives the exact first-order transition of that step for the error (theta, p, v, b_w, b_a, g, s,
+/// d): F (28x28) and G Q G^T added to P by propagate_covariance(). Stateless; thread-safe; no allocation.
 class MotionModel : public Stage {
  public:
   static constexpr std::string_view family = "motions";
