@@ -44,7 +44,7 @@ TEST_CASE("describe tells the keys of a scene, with those of every type of world
 }
 
 TEST_CASE("describe gives the keys of any file as Markdown") {
-  for (const char* file : {"pipeline", "sensor", "dataset", "scene"}) {
+  for (const char* file : {"pipeline", "sensor", "dataset", "scene", "study"}) {
     const Ended ended = run_aslio({"describe", file, "--markdown"});
     INFO(file);
     CHECK(ended.code == 0);
@@ -54,5 +54,5 @@ TEST_CASE("describe gives the keys of any file as Markdown") {
   CHECK_THAT(run_aslio({"describe", "scene", "--markdown"}).out, Contains("\n## world of type garage\n\n| key |"));
   const Ended wrong = run_aslio({"describe", "scenery"});
   CHECK(wrong.code == 2);
-  CHECK_THAT(wrong.err, Contains("'dataset' or 'scene'"));
+  CHECK_THAT(wrong.err, Contains("'scene' or 'study'"));
 }

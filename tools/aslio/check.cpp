@@ -33,8 +33,8 @@ int check(const Arguments& a) {
 }  // namespace
 
 Command add_check(CLI::App& root) {
-  CLI::App* app =
-      root.add_subcommand("check", "Checks pipeline, sensor, dataset and scene files and tells all that is wrong.");
+  CLI::App* app = root.add_subcommand(
+      "check", "Checks pipeline, sensor, dataset, scene and study files and tells all that is wrong.");
   auto arguments = std::make_shared<Arguments>();
   app->add_option("FILE", arguments->files, "files to check")->required();
   add_plugin_option(*app, arguments->plugins);

@@ -8,6 +8,7 @@
 #include "aslio/config/description.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/study.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "aslio/simulator/scene.hpp"
@@ -69,10 +70,11 @@ struct File {
   std::string_view kind;
   std::vector<Part> (*parts)();
 };
-constexpr std::array<File, 4> kFiles = {{{"pipeline", parts_of<pipeline::PipelineConfig>},
+constexpr std::array<File, 5> kFiles = {{{"pipeline", parts_of<pipeline::PipelineConfig>},
                                          {"sensor", parts_of<io::SensorConfig>},
                                          {"dataset", parts_of<experiment::DatasetConfig>},
-                                         {"scene", scene_parts}}};
+                                         {"scene", scene_parts},
+                                         {"study", parts_of<experiment::StudyConfig>}}};
 
 std::string describe_file(const plugin::Catalog& catalog, const File& file, bool markdown) {
   std::string text = markdown
@@ -104,7 +106,7 @@ int describe(const Arguments& a) {
   if (a.markdown || slash == std::string::npos) {
     throw ConfigError(
         fmt::format("name a stage as FAMILY/TYPE (for example windows/fixed; `aslio list` tells them), a file as "
-                    "'pipeline', 'sensor', 'dataset' or 'scene', or --markdown for all stages, not '{}'",
+                    "'pipeline', 'sensor', 'dataset', 'scene' or 'study', or --markdown for all stages, not '{}'",
                     a.what));
   }
   print(config::describe_stage(stages.catalog, a.what.substr(0, slash), a.what.substr(slash + 1)));
@@ -117,7 +119,7 @@ Command add_describe(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "describe", "Tells the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
   auto arguments = std::make_shared<Arguments>();
-  app->add_option("FAMILY/TYPE", arguments->what, "the stage, or the file: pipeline, sensor, dataset, scene");
+  app->add_option("FAMILY/TYPE", arguments->what, "the stage, or the file: pipeline, sensor, dataset, scene, study");
   app->add_flag("--markdown", arguments->markdown, "as Markdown: the keys of a file, or of all stages");
   add_plugin_option(*app, arguments->plugins);
   app->footer("Example:\n  aslio describe windows/sod_adaptive\n  aslio describe scene");

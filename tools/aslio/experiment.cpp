@@ -56,13 +56,14 @@ std::string program_identity(const Stages& stages) {
 std::string plan_text(const experiment::Study& study, const experiment::StudyOptions& options) {
   const auto runs = experiment::plan_runs(study, options.program);
   const auto selected = experiment::select_runs(study, runs, options.only);
-  const auto rows = experiment::finished_rows(study, runs, options.output);
+  const auto rows = experiment::rows_so_far(study, runs, options.output);
   std::string text;
   std::size_t open = 0, finished = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (!selected[i]) continue;
-    ++(rows[i] ? finished : open);
-    text += fmt::format("{}/{}: {}\n", study.data[runs[i].data].name, runs[i].folder, rows[i] ? "finished" : "to run");
+    const bool done = rows[i] && rows[i]->outcome.final;
+    ++(done ? finished : open);
+    text += fmt::format("{}/{}: {}\n", study.data[runs[i].data].name, runs[i].folder, done ? "finished" : "to run");
   }
   return text + fmt::format("{} runs to do, {} finished\n", open, finished);
 }

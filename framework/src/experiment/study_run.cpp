@@ -2,7 +2,7 @@
 #include "aslio/experiment/study_run.hpp"
 
 #include <fmt/format.h>
-#include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -27,6 +27,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kLook = std::chrono::milliseconds(5);  // between looks at the children
 constexpr double kGrace = 10;                         // for children to end after Ctrl-C [s]
 constexpr double kSimulationLimit = 86400;            // [s]
+constexpr int kInterruptedExit = 130;                 // of a child that has met Ctrl-C itself
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -43,6 +44,16 @@ std::string complaint(const fs::path& log) {
     if (line.starts_with("error: ")) return line.substr(7);
   }
   return {};
+}
+
+/// Folders that begin like this, of a study that was killed.
+void remove_leftovers(const fs::path& folder, const std::string& begin) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    if (at->path().filename().string().starts_with(begin)) found.push_back(at->path());
+  }
+  for (const fs::path& leftover : found) fs::remove_all(leftover, error);
 }
 
 std::string exit_text(const ChildEnd& end, const fs::path& log) {
@@ -63,15 +74,16 @@ class Schedule {
         runs_folder_(fs::absolute(options.output) / "runs"),
         store_(options.output, options.data, options.keep_data) {
     result_.runs = plan_runs(study, options.program);
-    result_.rows = finished_rows(study, result_.runs, options.output);
+    result_.rows = rows_so_far(study, result_.runs, options.output);
     const std::vector<bool> selected = select_runs(study, result_.runs, options.only);
     data_.resize(study.data.size());
     states_.resize(result_.runs.size(), RunState::skipped);
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
-      if (result_.rows[i]) {
+      if (result_.rows[i] && result_.rows[i]->outcome.final) {
         states_[i] = RunState::finished;
       } else if (selected[i]) {
         states_[i] = RunState::waiting;
+        result_.rows[i].reset();
         ++data_[result_.runs[i].data].left;
         ++total_;
       }
@@ -198,6 +210,7 @@ class Schedule {
                                    ? fmt::format("more than {:g} MB", study_.config.memory_limit)
                                    : exit_text(end, ended.log);
     store_.abandon(data);
+    if (end.cause == ChildEnd::Cause::exit && end.code == kInterruptedExit && !result_.interrupted) stop();
     if (result_.interrupted) return;
     data_[ended.data].state = DataState::ready;
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
@@ -216,9 +229,10 @@ class Schedule {
     const StudyMethod& method = study_.methods[run.method];
     // Under another name until it is finished, so that nothing half-written is taken for a run.
     fs::path folder = final_folder(i);
-    folder.replace_filename("." + run.folder + ".partial");
+    const std::string partial = fmt::format(".{}.partial-", run.folder);
+    remove_leftovers(folder.parent_path(), partial);
+    folder.replace_filename(partial + fmt::to_string(::getpid()));
     std::error_code error;
-    fs::remove_all(folder, error);
     fs::create_directories(folder, error);
     if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
     std::vector<std::string> arguments = {
@@ -331,13 +345,12 @@ std::size_t StudyResult::failures() const {
       std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row && !row->good(); }));
 }
 
-std::vector<std::optional<StudyRow>> finished_rows(const Study& study, const std::vector<StudyRun>& runs,
-                                                   const fs::path& output) {
+std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
+                                                 const fs::path& output) {
   std::vector<std::optional<StudyRow>> rows(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const fs::path folder = output / "runs" / study.data[runs[i].data].name / runs[i].folder;
-    const auto outcome = read_outcome(folder, runs[i].key);
-    if (outcome && outcome->final) rows[i] = read_row(folder, *outcome);
+    if (const auto outcome = read_outcome(folder, runs[i].key)) rows[i] = read_row(folder, *outcome);
   }
   return rows;
 }

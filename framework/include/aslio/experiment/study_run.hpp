@@ -39,9 +39,10 @@ struct StudyResult {
   std::size_t failures() const;
 };
 
-/// What there is in `output` of an earlier call: rows of the runs that need not be repeated.
-std::vector<std::optional<StudyRow>> finished_rows(const Study& study, const std::vector<StudyRun>& runs,
-                                                   const std::filesystem::path& output);
+/// What an earlier call with the same data, configuration and program has left in `output`. Rows whose outcome is not
+/// final are made again.
+std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
+                                                 const std::filesystem::path& output);
 
 /// Makes the runs that are not finished, writes results.csv and table.md whenever the runs over a recording are done.
 /// A run that fails, crashes or exceeds a limit is a row. Throws ConfigError for an output folder that cannot be used
