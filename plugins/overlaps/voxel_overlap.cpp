@@ -99,17 +99,18 @@ OverlapScore VoxelOverlap::evaluate(std::span<const WorldPoint> points, TimeNs t
 }
 
 void VoxelOverlap::extend(std::span<const WorldPoint> points, TimeNs t) {
-  histogram_.reset(points.size());
-  for (const WorldPoint& point : points) {
-    Cell cell;
-    if (CellHistogram::cell_of(point.p_W, inverse_voxel_, cell)) histogram_.add(cell);
-  }
   Frame frame{t + settings_.delay, {}};
   if (!spare_.empty()) {
     frame.cells = std::move(spare_.back());
     spare_.pop_back();
   }
-  frame.cells.assign(histogram_.cells().begin(), histogram_.cells().end());
+  frame.cells.clear();
+  for (const WorldPoint& point : points) {
+    Cell cell;
+    if (!CellHistogram::cell_of(point.p_W, inverse_voxel_, cell)) continue;
+    // A store takes repeated cells; only runs of the same are worth leaving out.
+    if (frame.cells.empty() || frame.cells.back() != cell) frame.cells.push_back(cell);
+  }
   waiting_.push_back(std::move(frame));
   for (std::size_t frames = frames_due(t); frames > 0; --frames) {
     occupied_->insert(waiting_.front().cells);

@@ -131,7 +131,7 @@ void BlockHash::insert(std::span<const Cell> cells) {
 }
 
 const Brick* BlockHash::planes_of(std::uint64_t key) {
-  const std::size_t line = line_of(key), count = static_cast<std::size_t>(depth_) + 1;
+  const std::size_t line = line_of(key), count = static_cast<std::size_t>(depth_);
   Brick* planes = &planes_[line * count];
   if (cached_[line] == key) return planes;
   cached_[line] = key;
@@ -151,18 +151,27 @@ void BlockHash::layers(std::span<const Cell> cells, int depth, LayerMetric metri
   if (depth != depth_ || metric != metric_) {
     depth_ = depth;
     metric_ = metric;
-    planes_.resize(cached_.size() * (static_cast<std::size_t>(depth) + 1));
+    planes_.resize(cached_.size() * static_cast<std::size_t>(depth));
     forget_planes();
   }
   ++queries_;
   std::uint64_t last = kNone;
+  const Brick* own = nullptr;
   const Brick* planes = nullptr;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::uint64_t key = key_of(cells[i]);
-    if (key != last) planes = planes_of(key);
+    if (key != last) {
+      own = find(key);
+      planes = nullptr;
+    }
     last = key;
-    int beyond = 0;  // planes without the cell; each contains the one before
-    for (int layer = 0; layer <= depth; ++layer) beyond += planes[layer].has(cells[i]) ? 0 : 1;
+    if (own->has(cells[i])) {  // most cells, and no reason to dilate
+      out[i] = 0;
+      continue;
+    }
+    int beyond = 1;  // planes without the cell; each contains the one before
+    if (depth > 0 && !planes) planes = planes_of(key);
+    for (int layer = 1; layer <= depth; ++layer) beyond += planes[layer - 1].has(cells[i]) ? 0 : 1;
     out[i] = static_cast<std::uint8_t>(beyond);
   }
 }

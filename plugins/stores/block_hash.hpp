@@ -60,7 +60,7 @@ class BlockHash final : public OccupancyStore {
 
   std::vector<std::uint64_t> cached_;  // key of each line of the cache
   unsigned line_shift_ = 0;
-  std::vector<Brick> planes_;  // depth_ + 1 for each line
+  std::vector<Brick> planes_;  // depth_ for each line
   int depth_ = -1;
   LayerMetric metric_ = LayerMetric::chebyshev;
   std::uint64_t dilations_ = 0;

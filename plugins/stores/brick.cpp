@@ -6,62 +6,65 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr std::size_t kSpan = 3 * Brick::kEdge;  // words of three bricks in a row along x
+/// Words of three bricks in a row along x.
+using Words = std::array<std::uint64_t, 3 * Brick::kEdge>;
+
+/// The words that a dilation looks at.
+struct Extent {
+  std::size_t begin, end;
+};
 
 /// The byte in each of the eight rows along z of a word.
 constexpr std::uint64_t in_each_row(unsigned byte) { return 0x0101010101010101u * (byte & 0xffu); }
 
-/// Columns of bricks at one y (below, in the middle, above), smeared along z by 0, 1, .. cells.
-using Smeared = std::array<std::array<std::uint64_t, kSpan>, 3>;
+/// The bricks at one y (below, in the middle, above), smeared along z by 0, 1, .. cells.
+using Smeared = std::array<Words, 3>;
 
 void smear_along_z(const Neighbourhood& around, std::size_t reach, std::array<Smeared, kMaxLayers>& out) {
-  for (std::size_t bx = 0; bx < 3; ++bx) {
-    for (std::size_t by = 0; by < 3; ++by) {
-      const Brick* const* column = &around[9 * bx + 3 * by];
-      const auto &below = column[0]->words, &middle = column[1]->words, &above = column[2]->words;
-      const std::size_t begin = 8 * bx;
-      for (std::size_t x = 0; x < 8; ++x) out[0][by][begin + x] = middle[x];
-      for (std::size_t w = 1; w <= reach; ++w) {
-        const auto shift = static_cast<unsigned>(w);
-        // Masks cut off what a shift carries from one row into the next.
-        const std::uint64_t up = in_each_row(0xffu << shift), from_below = ~up;
-        const std::uint64_t down = in_each_row(0xffu >> shift), from_above = ~down;
-        for (std::size_t x = 0; x < 8; ++x) {
-          out[w][by][begin + x] = out[w - 1][by][begin + x] | (middle[x] << shift & up) |
-                                  (below[x] >> (8 - shift) & from_below) | (middle[x] >> shift & down) |
-                                  (above[x] << (8 - shift) & from_above);
-        }
+  for (std::size_t i = 0; i < 9; ++i) {
+    const std::size_t by = i % 3, begin = 8 * (i / 3);
+    const auto &below = around[3 * i]->words, &middle = around[3 * i + 1]->words, &above = around[3 * i + 2]->words;
+    for (std::size_t x = 0; x < 8; ++x) out[0][by][begin + x] = middle[x];
+    for (std::size_t w = 1; w <= reach; ++w) {
+      const auto shift = static_cast<unsigned>(w);
+      // Masks cut off what a shift carries from one row into the next.
+      const std::uint64_t up = in_each_row(0xffu << shift), from_below = ~up;
+      const std::uint64_t down = in_each_row(0xffu >> shift), from_above = ~down;
+      const std::uint64_t* nearer = &out[w - 1][by][begin];
+      std::uint64_t* grown = &out[w][by][begin];
+      for (std::size_t x = 0; x < 8; ++x) {
+        grown[x] = nearer[x] | (middle[x] << shift & up) | (below[x] >> (8 - shift) & from_below) |
+                   (middle[x] >> shift & down) | (above[x] << (8 - shift) & from_above);
       }
     }
   }
 }
 
-/// out |= the smeared words, dx cells along x and dy along y from there.
-void add_row(const Smeared& smeared, int dx, int dy, Brick& out) {
-  const auto begin = static_cast<std::size_t>(Brick::kEdge + dx);
-  const std::uint64_t* middle = &smeared[1][begin];
-  if (dy == 0) {
-    for (std::size_t x = 0; x < 8; ++x) out.words[x] |= middle[x];
-  } else if (dy > 0) {
-    const std::uint64_t* next = &smeared[2][begin];
-    for (std::size_t x = 0; x < 8; ++x) out.words[x] |= middle[x] >> 8 * dy | next[x] << (64 - 8 * dy);
-  } else {
-    const std::uint64_t* next = &smeared[0][begin];
-    for (std::size_t x = 0; x < 8; ++x) out.words[x] |= middle[x] << -8 * dy | next[x] >> (64 + 8 * dy);
+/// The cells within a ball whose x differs by `dx`: rows smeared along z, then along y.
+void smear_along_y(const std::array<Smeared, kMaxLayers>& rows, const Balls& balls, std::size_t layer, std::size_t dx,
+                   Extent extent, Words& out) {
+  const Words& centre = rows[static_cast<std::size_t>(balls.reach(layer, dx, 0))][1];
+  for (std::size_t x = extent.begin; x < extent.end; ++x) out[x] = centre[x];
+  for (std::size_t dy = 1; dy <= layer && balls.reach(layer, dx, dy) >= 0; ++dy) {
+    const auto& [below, middle, above] = rows[static_cast<std::size_t>(balls.reach(layer, dx, dy))];
+    const auto near = static_cast<unsigned>(8 * dy), far = 64 - near;
+    for (std::size_t x = extent.begin; x < extent.end; ++x) {
+      out[x] |= middle[x] << near | below[x] >> far | middle[x] >> near | above[x] << far;
+    }
   }
 }
 
 }  // namespace
 
 Balls::Balls(LayerMetric metric) {
-  for (int layer = 0; layer < static_cast<int>(kMaxLayers); ++layer) {
-    for (int dx = -layer; dx <= layer; ++dx) {
-      for (int dy = -layer; dy <= layer; ++dy) {
+  constexpr int layers = static_cast<int>(kMaxLayers);
+  for (int layer = 0; layer < layers; ++layer) {
+    for (int dx = 0; dx <= layers; ++dx) {
+      for (int dy = 0; dy < layers; ++dy) {
         int reach = layer;
         while (reach >= 0 && layer_of(dx, dy, reach, metric) > layer) --reach;
-        if (reach < 0) continue;
-        rows_[static_cast<std::size_t>(layer)].push_back(
-            {static_cast<std::int8_t>(dx), static_cast<std::int8_t>(dy), static_cast<std::int8_t>(reach)});
+        reaches_[static_cast<std::size_t>(layer)][static_cast<std::size_t>(dx)][static_cast<std::size_t>(dy)] =
+            static_cast<std::int8_t>(reach);
       }
     }
   }
@@ -74,17 +77,19 @@ const Balls& Balls::of(LayerMetric metric) {
 }
 
 void dilate(const Neighbourhood& around, LayerMetric metric, std::span<Brick> planes) {
-  planes[0] = *around[13];
-  if (planes.size() == 1) return;
-  std::array<Smeared, kMaxLayers> smeared;
-  smear_along_z(around, planes.size() - 1, smeared);
+  std::array<Smeared, kMaxLayers> rows;
+  smear_along_z(around, planes.size(), rows);
   const Balls& balls = Balls::of(metric);
-  for (std::size_t layer = 1; layer < planes.size(); ++layer) {
+  const Extent extent = planes.size() <= 4 ? Extent{4, 20} : Extent{0, 24};  // whole vectors
+  for (std::size_t layer = 1; layer <= planes.size(); ++layer) {
+    Words slice;
     Brick grown;
-    for (const Balls::Row& row : balls.within(static_cast<int>(layer))) {
-      add_row(smeared[static_cast<std::size_t>(row.reach)], row.dx, row.dy, grown);
+    for (std::size_t dx = 0; dx <= layer; ++dx) {
+      if (dx == 0 || !balls.repeats(layer, dx - 1)) smear_along_y(rows, balls, layer, dx, extent, slice);
+      const std::uint64_t *left = &slice[8 - dx], *right = &slice[8 + dx];
+      for (std::size_t x = 0; x < 8; ++x) grown.words[x] |= left[x] | right[x];
     }
-    planes[layer] = grown;
+    planes[layer - 1] = grown;
   }
 }
 

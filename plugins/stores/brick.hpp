@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "aslio/stages/overlap.hpp"
 
@@ -23,23 +22,23 @@ struct alignas(64) Brick {
 /// A brick and the 26 around it: number 9 (dx + 1) + 3 (dy + 1) + dz + 1.
 using Neighbourhood = std::array<const Brick*, 27>;
 
-/// The cells within 1, 2, .. kMaxLayers - 1 of a cell as rows along z: all (dx, dy, dz) with |dz| <= reach.
+/// The cells within 0, 1, .. kMaxLayers - 1 of a cell as rows along z: reach(layer, |dx|, |dy|) is the largest |dz|, or
+/// -1 if there is none. |dx| + 1 has the same rows as |dx| where `repeats` says so.
 class Balls {
  public:
-  struct Row {
-    std::int8_t dx, dy, reach;
-  };
   explicit Balls(LayerMetric metric);
-  std::span<const Row> within(int layer) const { return rows_[static_cast<std::size_t>(layer)]; }
+  int reach(std::size_t layer, std::size_t dx, std::size_t dy) const { return reaches_[layer][dx][dy]; }
+  bool repeats(std::size_t layer, std::size_t dx) const { return reaches_[layer][dx] == reaches_[layer][dx + 1]; }
   /// The table of a metric, built once and never changed.
   static const Balls& of(LayerMetric metric);
 
  private:
-  std::array<std::vector<Row>, kMaxLayers> rows_;
+  using Slice = std::array<std::int8_t, kMaxLayers>;
+  std::array<std::array<Slice, kMaxLayers + 1>, kMaxLayers> reaches_{};
 };
 
-/// planes[0] becomes the middle brick, planes[i] its cells within i of a set one (i < planes.size() <= kMaxLayers; no
-/// such distance leaves the 27 bricks).
+/// planes[i] becomes the cells of the middle brick within i + 1 of a set one. Pre: planes.size() < kMaxLayers, so that
+/// no such distance leaves the 27 bricks.
 void dilate(const Neighbourhood& around, LayerMetric metric, std::span<Brick> planes);
 
 }  // namespace aslio::plugins
