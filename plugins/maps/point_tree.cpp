@@ -68,7 +68,6 @@ void PointTree::drop(std::uint32_t number) {
 }
 
 void PointTree::hand_down(std::uint32_t number) {
-  if (!nodes_[number].dropped) return;
   for (const std::uint32_t child : nodes_[number].child) {
     if (child != kNone) drop(child);
   }
@@ -99,14 +98,15 @@ void PointTree::insert(const TreePoint& point) {
   }
   std::uint32_t number = root_, unbalanced = kNone;
   for (int depth = 2;; ++depth) {
-    hand_down(number);
+    if (nodes_[number].dropped) hand_down(number);
     Node& node = nodes_[number];
     Tally& tally = tallies_[number];
     ++tally.size;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto i = static_cast<Eigen::Index>(axis);
-      node.low[axis] = std::min(node.low[axis], round_down(point.p[i] - node.p[i]));
-      node.high[axis] = std::max(node.high[axis], round_up(point.p[i] - node.p[i]));
+      const double relative = point.p[i] - node.p[i];
+      if (relative < static_cast<double>(node.low[axis])) node.low[axis] = round_down(relative);
+      if (relative > static_cast<double>(node.high[axis])) node.high[axis] = round_up(relative);
     }
     const std::size_t side = point.p[node.axis] < node.p[node.axis] ? 0 : 1;
     const std::uint32_t child = node.child[side];
@@ -197,7 +197,7 @@ std::uint32_t PointTree::rebuild(std::uint32_t number) {
 }
 
 void PointTree::collect(std::uint32_t number) {
-  hand_down(number);
+  if (nodes_[number].dropped) hand_down(number);
   const Node& node = nodes_[number];
   free_.push_back(number);
   if (!node.deleted) rebuilding_.push_back({node.p, node.stamp, tallies_[number].order, node.feature});
@@ -297,7 +297,8 @@ std::uint32_t PointTree::find_in_cell(const Vec3& cell, double leaf, std::uint8_
           ((d + to_vec(node.high)).array() < -half.array()).any()) {
         break;
       }
-      if (!node.deleted && node.feature == feature && (node.p * inverse).array().floor().matrix() == cell) {
+      if (!node.deleted && node.feature == feature && (d.array().abs() <= half.array()).all() &&
+          (node.p * inverse).array().floor().matrix() == cell) {
         return number;
       }
       const double across = d[node.axis];
