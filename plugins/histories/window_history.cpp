@@ -1,0 +1,102 @@
+#include "histories/window_history.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aslio/stages/estimator.hpp"
+
+namespace aslio::plugins {
+
+void describe_self_match_exclusion(config::Binder& b, bool& value) {
+  b.flag("self_match_exclusion", value,
+         "history points match only what entered the map before the window began, so neither themselves nor their "
+         "neighbours in time");
+}
+
+void describe_covariance(config::Binder& b, HistoryCovariance& value) {
+  b.choice("covariance", value,
+           {{"joseph", HistoryCovariance::joseph},
+            {"new_only", HistoryCovariance::new_only},
+            {"all", HistoryCovariance::all}},
+           "what the covariance counts: fresh evidence through the actual gain, fresh evidence alone, or everything "
+           "(over-confident)");
+}
+
+void describe_age_taper(config::Binder& b, std::optional<double>& value) {
+  b.optional_real("age_taper", value, "s", {.above = 0.0, .max = 1000.0}, "no taper",
+                  "time in which the weight of a point falls by a factor e");
+}
+
+void Reuse::describe(config::Binder& b, Reuse& p) {
+  describe_self_match_exclusion(b, p.self_match_exclusion);
+  describe_covariance(b, p.covariance);
+  b.optional_real("cap", p.cap, "", {.min = 0.0, .max = 1000.0}, "no cap", kCapDoc);
+  describe_age_taper(b, p.age_taper);
+  b.optional_real("gate", p.gate, "sigma", {.above = 0.0, .max = 1000.0}, "no gate", kGateDoc);
+  b.optional_real("max_residual", p.max_residual, "m", {.above = 0.0, .max = 1000.0}, "any", kMaxResidualDoc);
+}
+
+HistorySelection WindowHistory::select(const Window& window) {
+  const WindowPlan& plan = window.plan;
+  forget(plan.history_begin);
+  // Also of a window that will be refused: its points may enter the map all the same.
+  ends_.push_back({window.sequence, plan.end});
+  HistorySelection selection{.points = {}, .max_stamp = 0xffffffff, .covariance = reuse_.covariance};
+  if (reuse_.self_match_exclusion) selection.max_stamp = max_stamp_;
+
+  // Evenly spread over what is there: thinning by residual would favour what already agreed with the map.
+  const std::size_t offered = points_.size() - head_;
+  const std::size_t kept = most(window, offered);
+  selected_.clear();
+  for (std::size_t i = 0; i < kept; ++i) {
+    HistoryPoint point = points_[head_ + i * offered / kept];
+    if (point.t <= plan.history_begin || point.t > plan.fresh_begin) continue;
+    if (reuse_.age_taper) {
+      point.age_weight = static_cast<float>(std::exp(-to_seconds(plan.end - point.t) / *reuse_.age_taper));
+    }
+    selected_.push_back(point);
+  }
+  selection.points = selected_;
+  return selection;
+}
+
+std::size_t WindowHistory::most(const Window& window, std::size_t offered) const {
+  if (!reuse_.cap) return offered;
+  // How many fresh points sampling will leave is known only after de-skew; the share it left last time stands in.
+  const double fresh = matched_per_fresh_ * static_cast<double>(window.fresh.size());
+  return std::min(offered, static_cast<std::size_t>(*reuse_.cap * fresh));
+}
+
+void WindowHistory::commit(const Window& window, const Update& update) {
+  const auto points = update.points(Tap::match);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    HistoryPoint point{.p_W = points[i].p_W, .t = points[i].t, .range = points[i].range};
+    const bool matched = i < update.matches.size() && update.matches[i].accepted;
+    point.residual = matched ? std::abs(update.matches[i].residual) : -1.0f;
+    point.sequence = window.sequence;
+    if (reuse_.max_residual && !(point.residual <= static_cast<float>(*reuse_.max_residual))) continue;
+    points_.push_back(point);
+  }
+  if (!window.fresh.empty()) {
+    matched_per_fresh_ = static_cast<double>(points.size()) / static_cast<double>(window.fresh.size());
+  }
+}
+
+void WindowHistory::reset() {
+  // What earlier updates put into the map stays there, so their ends are not forgotten.
+  points_.clear();
+  head_ = 0;
+}
+
+void WindowHistory::forget(TimeNs until) {
+  while (head_ < points_.size() && points_[head_].t <= until) ++head_;
+  if (head_ > points_.size() / 2) {
+    points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(head_));
+    head_ = 0;
+  }
+  std::size_t older = 0;
+  while (older < ends_.size() && ends_[older].t <= until) max_stamp_ = ends_[older++].sequence;
+  ends_.erase(ends_.begin(), ends_.begin() + static_cast<std::ptrdiff_t>(older));
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,69 @@
+#pragma once
+/// What all histories but `none` share: the points of earlier updates still inside the window, how many of them take
+/// part, and what they may match. (HIS-1, HIS-4)
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/history.hpp"
+
+namespace aslio::plugins {
+
+/// Rules of re-use; the defaults take every point as it is.
+struct Reuse {
+  bool self_match_exclusion = false;
+  HistoryCovariance covariance = HistoryCovariance::all;
+  std::optional<double> cap = std::nullopt;           ///< history points per fresh point; 0: no history
+  std::optional<double> age_taper = std::nullopt;     ///< [s]
+  std::optional<double> gate = std::nullopt;          ///< [sigma]
+  std::optional<double> max_residual = std::nullopt;  ///< [m]
+
+  static void describe(config::Binder& b, Reuse& p);
+};
+
+void describe_self_match_exclusion(config::Binder& b, bool& value);
+void describe_covariance(config::Binder& b, HistoryCovariance& value);
+void describe_age_taper(config::Binder& b, std::optional<double>& value);
+inline constexpr std::string_view kCapDoc = "most history points per fresh point";
+inline constexpr std::string_view kGateDoc = "largest residual of a history point that takes part";
+inline constexpr std::string_view kMaxResidualDoc =
+    "largest residual at its own update with which a point enters the history";
+
+/// Pre: points of an update come in time order, and history_begin never decreases from window to window (what lies
+/// before it is forgotten).
+class WindowHistory : public HistoryPolicy {
+ public:
+  HistorySelection select(const Window& window) final;
+  double gate(double sigma) const final {
+    return reuse_.gate ? *reuse_.gate * sigma : std::numeric_limits<double>::infinity();
+  }
+  void commit(const Window& window, const Update& update) final;
+  void reset() final;
+
+ protected:
+  explicit WindowHistory(const Reuse& reuse) : reuse_(reuse) {}
+
+ private:
+  /// When the points of an update entered the map (if they did).
+  struct UpdateEnd {
+    std::uint32_t sequence = 0;
+    TimeNs t = 0;
+  };
+
+  void forget(TimeNs until);
+  std::size_t most(const Window& window, std::size_t offered) const;
+
+  Reuse reuse_;
+  std::vector<HistoryPoint> points_;  ///< in time order; those before head_ are forgotten
+  std::size_t head_ = 0;
+  std::vector<HistoryPoint> selected_;
+  std::vector<UpdateEnd> ends_;     ///< in time order, of windows that may still be inside a later one
+  std::uint32_t max_stamp_ = 0;     ///< newest update older than any window to come
+  double matched_per_fresh_ = 1.0;  ///< points offered to matching per raw point, at the last update
+};
+
+}  // namespace aslio::plugins
