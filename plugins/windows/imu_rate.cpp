@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "aslio/core/lie.hpp"
 #include "windows/tiling.hpp"
 
 namespace aslio::plugins {

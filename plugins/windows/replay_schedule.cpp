@@ -84,6 +84,7 @@ ReplaySchedule ReplaySchedule::read(const std::filesystem::path& path) {
 }
 
 ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& source) {
+  if (text.empty()) throw DataError(fmt::format("{}: is empty: is it the right file?", source));
   ReplaySchedule schedule;
   std::optional<std::size_t> end_column, begin_column;
   for (std::size_t number = 1; !text.empty(); ++number) {

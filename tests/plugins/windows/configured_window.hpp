@@ -9,6 +9,8 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/plugin/registry.hpp"
 #include "aslio/stages/window.hpp"
+#include "plugins/build_environment.hpp"
+#include "plugins/windows/fake_stream.hpp"
 #include "register_all.hpp"
 
 namespace aslio::test {
@@ -42,5 +44,16 @@ class WindowCatalog {
  private:
   plugin::Catalog catalog_;
 };
+
+/// All windows of a stream that has arrived and ended.
+inline std::vector<WindowPlan> plans_of(const std::string& value, FakeStream stream, TimeNs start = 0) {
+  BuildEnvironment environment;
+  const auto strategy = WindowCatalog().read(value).make(environment.context());
+  FakeProbe probe = blind_probe();
+  WindowLoop loop(*strategy, probe, start, [](const WindowPlan&) { return std::optional<double>(); });
+  stream.finish();
+  loop.run(stream);
+  return loop.plans;
+}
 
 }  // namespace aslio::test

@@ -156,3 +156,25 @@ TEST_CASE("anticipation can only raise n") {
   CHECK(schedule.n() == 7);
   CHECK(schedule.echo() == 7);
 }
+
+TEST_CASE("without the echo n follows the latest overlap at once, up and down") {
+  SegmentSchedule schedule(0.1, kNoLimit, Recover::step, false);
+  for (const auto& [overlap, n] :
+       {std::pair{0.25, 9}, {0.55, 6}, {0.95, 2}, {0.0, 11}, {0.75, 4}, {0.75, 4}, {1.0, 2}}) {
+    schedule.observe(overlap);
+    CHECK(schedule.n() == n);
+    CHECK(schedule.echo() == 1);
+  }
+}
+
+TEST_CASE("without the echo, undefined overlaps keep n and a ramp falls by one per update") {
+  SegmentSchedule schedule(0.1, kNoLimit, Recover::ramp, false);
+  schedule.observe(0.55);
+  REQUIRE(schedule.n() == 6);
+  schedule.observe(std::nullopt);
+  CHECK(schedule.n() == 6);
+  for (const std::int64_t n : {5, 4, 3, 2, 2}) {
+    schedule.observe(1.0);
+    CHECK(schedule.n() == n);
+  }
+}

@@ -197,6 +197,53 @@ TEST_CASE("a gap becomes part of the window behind it, and the next overlap deci
   CHECK(over_gap == 1);
 }
 
+TEST_CASE("a gap of more than two frames ends the echo even where the window before it took the first part") {
+  // The last points before the gap are few, so that a window of a full frame runs into it.
+  const auto second_slow = [](TimeNs gap_end) {
+    std::vector<TimedPoint> points;
+    test::add_points(points, 0, 450 * kMs, kMs, 20);
+    test::add_points(points, gap_end, gap_end + 600 * kMs, kMs, 20);
+    const auto plans = run(without_warmup(), {std::move(points), test::imu_samples(0, gap_end + 600 * kMs)},
+                           [](const WindowPlan& plan) { return plan.end <= 600 * kMs ? 0.0 : 0.95; });
+    std::size_t i = 0;
+    while (plans.at(i).end <= gap_end) ++i;
+    CHECK(plans[i].seg_time == 11);
+    CHECK(plans[i].end - plans[i].fresh_begin < 200 * kMs);
+    return plans.at(i + 1).seg_time;
+  };
+  CHECK(second_slow(655 * kMs) == 2);
+  CHECK(second_slow(645 * kMs) == 11);
+}
+
+TEST_CASE("a gap in the IMU data of more than two frames ends the echo") {
+  for (const TimeNs gap : {195 * kMs, 205 * kMs}) {
+    std::vector<TimedPoint> points;
+    test::add_points(points, 0, 1200 * kMs, kMs, 20);
+    std::vector<ImuSample> imu = test::imu_samples(0, 400 * kMs);
+    for (const ImuSample& sample : test::imu_samples(400 * kMs + gap, 1200 * kMs)) imu.push_back(sample);
+    // Low once, within the gap: n = 11 from 500 ms to 700 ms unless the end of the gap, about 600 ms, ends it.
+    const auto plans = run(without_warmup(), {std::move(points), std::move(imu)},
+                           [](const WindowPlan& plan) { return plan.end == 500 * kMs ? 0.0 : 0.95; });
+    std::size_t i = 0;
+    while (plans.at(i).end < 400 * kMs + gap) ++i;
+    CHECK(plans[i].seg_time == 11);
+    CHECK(plans.at(i + 1).seg_time == (gap > 200 * kMs ? 2 : 11));
+  }
+}
+
+TEST_CASE("the echo can be switched off: then n falls with the next overlap") {
+  SodAdaptiveWindow::Params params = without_warmup();
+  const auto dip = [](const WindowPlan& plan) { return plan.fresh_begin == 100 * kMs ? 0.25 : 0.95; };
+  const auto n_after_dip = [&](std::size_t k) { return run(params, dense_stream(800), dip).at(1 + k).seg_time; };
+  CHECK(n_after_dip(1) == 9);
+  CHECK(n_after_dip(9) == 9);
+  CHECK(n_after_dip(10) == 2);
+  params.echo = false;
+  CHECK(n_after_dip(1) == 9);
+  CHECK(n_after_dip(2) == 2);
+  CHECK(run(params, dense_stream(800), dip).at(2).echo == 1);
+}
+
 TEST_CASE("the stream ends with a partial window that holds the last point") {
   const auto plans = run(without_warmup(), dense_stream(333), constant(0.95));
   REQUIRE(plans.size() == 4);
