@@ -116,6 +116,15 @@ class Reader {
     return member != nullptr ? member->value.at() : item.at();
   }
 
+  /// Each line of an error in another file is a problem here.
+  void add_problems(const Location& at, const std::string& before, const std::string& text) {
+    for (std::size_t begin = 0; begin <= text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      problems_.add(at, before + text.substr(begin, end - begin));
+      begin = end + 1;
+    }
+  }
+
   void add_data(const StudyDataConfig& config, std::size_t index) {
     if (config.scene.empty()) {
       add_recording(config, index);
@@ -132,7 +141,7 @@ class Reader {
       data.dataset = dataset.file;
       data.identity = recording_identity(dataset);
     } catch (const std::exception& error) {
-      problems_.add(place("datasets", index, "dataset"), error.what());
+      add_problems(place("datasets", index, "dataset"), "", error.what());
       return;
     }
     add_named(std::move(data), index);
@@ -148,7 +157,7 @@ class Reader {
     try {
       resolved = reading_.resolve_scene(data.scene, data.set);
     } catch (const ConfigError& error) {
-      problems_.add(place("datasets", index, "scene"), error.what());
+      add_problems(place("datasets", index, "scene"), "", error.what());
       return;
     }
     const auto seeds = reading_.seeds ? reading_.seeds : parse_seeds(config.seeds);
@@ -245,8 +254,8 @@ class Reader {
       return true;
     } catch (const ConfigError& error) {
       const bool set = study_.config.methods[index].set.is_map();
-      problems_.add(place("methods", index, set ? "set" : "pipeline"),
-                    fmt::format("method '{}': {}", method.name, error.what()));
+      add_problems(place("methods", index, set ? "set" : "pipeline"), fmt::format("method '{}': ", method.name),
+                   error.what());
       return false;
     }
   }

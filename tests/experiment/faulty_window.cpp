@@ -1,0 +1,53 @@
+// `faulty`: a window that takes its process down, or its time, or its memory.
+#include <chrono>
+#include <csignal>
+#include <thread>
+#include <vector>
+
+#include "aslio/config/binder.hpp"
+#include "aslio/plugin/entry.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "aslio/stages/window.hpp"
+
+namespace {
+
+using namespace aslio;
+
+class FaultyWindow final : public WindowStrategy {
+ public:
+  enum class Fault : std::uint8_t { crash, hang, memory };
+  struct Params {
+    Fault fault = Fault::crash;
+  };
+
+  static void describe(config::Binder& b, Params& p) {
+    b.choice("fault", p.fault, {{"crash", Fault::crash}, {"hang", Fault::hang}, {"memory", Fault::memory}},
+             "what happens at the first window");
+  }
+
+  FaultyWindow(const Params& params, const BuildContext&) : fault_(params.fault) {}
+
+  std::optional<WindowPlan> next(const StreamView&, const Feedback&, OverlapProbe&) override {
+    if (fault_ == Fault::crash) std::raise(SIGSEGV);
+    // 4 MB at a time, written to; some 40 s to the end where nobody intervenes.
+    for (int i = 0; i < 4000; ++i) {
+      if (fault_ == Fault::memory) hoard_.emplace_back(4'000'000, 'x');
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return std::nullopt;
+  }
+
+  TimeNs reach() const override { return kSecond; }
+
+ private:
+  Fault fault_;
+  std::vector<std::vector<char>> hoard_;
+};
+
+void register_types(plugin::Catalog& catalog) {
+  plugin::Registry<WindowStrategy>(catalog).add<FaultyWindow>("faulty", "a window that fails in one of three ways");
+}
+
+}  // namespace
+
+ASLIO_PLUGIN(register_types)

@@ -1,0 +1,28 @@
+#pragma once
+/// A folder with a study file and what it names, and studies read from it.
+
+#include <string>
+
+#include "aslio/experiment/study.hpp"
+#include "cli/child.hpp"
+
+namespace aslio::test {
+
+/// `{name: NAME, pipeline: configs/pipelines/PIPELINE.yaml of this repository, MORE}`, indented for `methods`.
+std::string method(const std::string& name, const std::string& pipeline, const std::string& more = "");
+
+/// The three texts that every study needs, in one line each, and the schema.
+std::string head();
+
+/// A folder with two files that stand for scenes, scene_a.yaml and scene_b.yaml.
+struct StudyFiles {
+  TemporaryFolder folder;
+
+  StudyFiles();
+  /// Reads `text` as study.yaml; a scene "resolves" to its content with its overrides.
+  experiment::Study load(const std::string& text, const experiment::StudyReading& reading = {}) const;
+  /// What load() complains of; empty: nothing.
+  std::string complaint(const std::string& text) const;
+};
+
+}  // namespace aslio::test

@@ -1,0 +1,81 @@
+/// Methods that crash, hang, eat memory, diverge or cannot begin: rows with their reasons.
+
+#include <catch2/catch.hpp>
+
+#include "study_files.hpp"
+
+using namespace aslio::test;
+using Catch::Matchers::Contains;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string faulty(const std::string& fault) {
+  return method(fault, "fixed_window", "set: {window: {type: faulty, fault: " + fault + "}}");
+}
+
+std::string quickstart() {
+  return std::string("datasets: [{scene: ") + ASLIO_SOURCE_DIR +
+         "/configs/scenes/quickstart.yaml, name: q}]\nmethods:\n";
+}
+
+std::vector<std::string> arguments(const TemporaryFolder& folder) {
+  return {"experiment", folder / "study.yaml", "--output", folder / "out", "--scale", "0.2",
+          "--plugin",   ASLIO_FAULTY_PLUGIN};
+}
+
+}  // namespace
+
+TEST_CASE("a method that does not finish is a row with its reason, and the study goes on") {
+  const TemporaryFolder folder;
+  write_text(folder / "study.yaml",
+             head() + quickstart() + faulty("crash") + faulty("hang") + faulty("memory") +
+                 method("blind", "fixed_window", "set: {samplers: [{type: range, min: 400, max: 410}]}") +
+                 method("lost", "fixed_window", "set: {window: {type: replay, file: no_such_file.csv}}") +
+                 method("good", "fixed_window") + "metrics: [ate_m]\nmemory_limit: 400\n");
+  const Ended ended = run_aslio(arguments(folder));
+  INFO(ended.err);
+  CHECK(ended.code == 1);
+  CHECK(column(folder / "out/results.csv", "status") ==
+        std::vector<std::string>{"crashed", "memory", "diverged", "failed", "ok"});
+  const std::string table = content(folder / "out/table.md");
+  INFO(table);
+  CHECK_THAT(table, Contains("| q_1 | crash | crashed | ended by signal 11 (Segmentation fault) |"));
+  CHECK_THAT(table, Contains("| q_1 | memory | memory | more than 400 MB |"));
+  CHECK_THAT(table, Contains("| q_1 | blind | diverged | the map is still empty"));
+  CHECK_THAT(table, Contains("| q_1 | lost | failed | ") && Contains("no_such_file.csv"));
+  CHECK_THAT(table, Contains("| q | x | x | x | x | 0."));
+
+  // What a machine may have caused is tried again, what the method did is not.
+  std::vector<std::string> again = arguments(folder);
+  again.push_back("--dry-run");
+  const Ended dry = run_aslio(again);
+  CHECK_THAT(dry.out,
+             Contains("q_1/crash: to run") && Contains("q_1/blind: finished") && Contains("q_1/good: finished"));
+}
+
+TEST_CASE("a method that hangs is ended at the time limit") {
+  const TemporaryFolder folder;
+  write_text(folder / "study.yaml", head() + quickstart() + faulty("hang") + "time_limit: 1\n");
+  const Ended ended = run_aslio(arguments(folder));
+  INFO(ended.err);
+  CHECK(ended.code == 1);
+  CHECK_THAT(content(folder / "out/table.md"), Contains("| q_1 | hang | timeout | longer than 1 s |"));
+}
+
+TEST_CASE("a simulation that fails is the reason of every run that needed it") {
+  const TemporaryFolder folder;
+  write_text(folder / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write_text(folder / "scene.yaml",
+             "schema: aslio/scene/1\nworld: {type: mesh, file: mesh.obj}\n"
+             "route: [{x: 1900, y: 0}, {x: 1910, y: 0}, {x: 1910, y: 10}, {x: 1900, y: 10}]\n");
+  write_text(folder / "study.yaml", head() + "datasets: [{scene: scene.yaml}]\nmethods:\n" +
+                                        method("fixed", "fixed_window") + method("as_lio", "as_lio"));
+  const Ended ended = run_aslio({"experiment", folder / "study.yaml", "--output", folder / "out"});
+  INFO(ended.err);
+  CHECK(ended.code == 1);
+  CHECK(column(folder / "out/results.csv", "status") == std::vector<std::string>(2, "failed"));
+  CHECK_THAT(content(folder / "out/results.csv"), Contains("simulation: "));
+  CHECK_FALSE(fs::exists(folder / "out/simulated"));
+}

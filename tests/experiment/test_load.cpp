@@ -1,0 +1,161 @@
+/// Study files: what they stand for, and what is told of those that are wrong.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "study_files.hpp"
+
+using namespace aslio::test;
+using namespace aslio::experiment;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kData = "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\n";
+
+std::vector<std::string> names(const std::vector<StudyMethod>& methods) {
+  std::vector<std::string> out;
+  for (const StudyMethod& method : methods) out.push_back(method.name);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("seeds are numbers and ranges, each once") {
+  using Seeds = std::vector<std::uint64_t>;
+  CHECK(parse_seeds("3") == Seeds{3});
+  CHECK(parse_seeds("1-3,7") == Seeds{1, 2, 3, 7});
+  CHECK(parse_seeds("18446744073709551615") == Seeds{18446744073709551615ULL});
+  for (const char* wrong :
+       {"", "a", "1-", "-1", "3-1", "1,,2", "1-2-3", "1,1", "1-3,2", "0-18446744073709551615", "1 2", "1-10001"}) {
+    INFO(wrong);
+    CHECK_FALSE(parse_seeds(wrong).has_value());
+  }
+}
+
+TEST_CASE("a study file becomes data and methods with every default in place") {
+  const StudyFiles files;
+  const Study study = files.load(head() +
+                                 "datasets:\n"
+                                 "  - {scene: scene_a.yaml, seeds: '1-2,5'}\n"
+                                 "  - {scene: scene_b.yaml, name: other, set: [imu.preset=ideal]}\n"
+                                 "methods:\n" +
+                                 method("fixed", "fixed_window") +
+                                 method("slow", "fixed_window", "set: {window.period: 0.2, map: {type: ikd_tree}}") +
+                                 "baseline: fixed\n");
+  REQUIRE(study.data.size() == 4);
+  CHECK(study.name == "study");
+  CHECK(study.data[0].name == "scene_a_1");
+  CHECK(study.data[2].name == "scene_a_5");
+  CHECK(study.data[2].sequence == "scene_a");
+  CHECK(study.data[3].name == "other_1");
+  CHECK(study.data[3].set == std::vector<std::string>{"imu.preset=ideal"});
+  CHECK(names(study.methods) == std::vector<std::string>{"fixed", "slow"});
+  CHECK(study.methods[1].set == std::vector<std::string>{"window.period=0.2", "map={type: ikd_tree}"});
+  CHECK_THAT(study.methods[1].resolved, Contains("period: 0.2") && Contains("type: ikd_tree"));
+  CHECK_FALSE(study.baseline[0].has_value());
+  CHECK(study.baseline[1] == std::size_t{0});
+  CHECK(study.order_seeds == std::vector<std::uint64_t>{0});
+  CHECK(study.config.metrics == std::vector<std::string>{"ate_m", "ate_deg", "end_to_end_m"});
+  CHECK(study.config.time_limit == 600);
+}
+
+TEST_CASE("seeds and scale of the command line replace those of the file, and make other data") {
+  const StudyFiles files;
+  const std::string text = head() + kData + "methods:\n" + method("fixed", "fixed_window");
+  const Study plain = files.load(text);
+  const Study other = files.load(text, {.resolve_scene = {}, .seeds = std::vector<std::uint64_t>{2, 9}, .scale = 0.5});
+  REQUIRE(other.data.size() == 2);
+  CHECK(other.data[0].name == "scene_a_2");
+  CHECK(other.data[1].name == "scene_a_9");
+  CHECK(other.data[0].scale == 0.5);
+  CHECK(other.data[0].identity != plain.data[1].identity);
+}
+
+TEST_CASE("axes make a grid over all methods, the last axis fastest") {
+  const StudyFiles files;
+  const Study study =
+      files.load(head() + kData + "methods:\n" + method("fixed", "fixed_window") + method("as_lio", "as_lio") +
+                 "vary:\n  - {path: overlap.voxel, values: [0.1, 0.2]}\n"
+                 "  - {path: estimator.noise, values: [fastlio, physical]}\n"
+                 "baseline: fixed\n");
+  CHECK(names(study.methods) ==
+        std::vector<std::string>{"fixed_voxel_0.1_noise_fastlio", "fixed_voxel_0.1_noise_physical",
+                                 "fixed_voxel_0.2_noise_fastlio", "fixed_voxel_0.2_noise_physical",
+                                 "as_lio_voxel_0.1_noise_fastlio", "as_lio_voxel_0.1_noise_physical",
+                                 "as_lio_voxel_0.2_noise_fastlio", "as_lio_voxel_0.2_noise_physical"});
+  CHECK(study.axes == std::vector<std::string>{"overlap.voxel", "estimator.noise"});
+  CHECK(study.methods[6].axes == std::vector<std::string>{"0.2", "fastlio"});
+  CHECK_THAT(study.methods[6].resolved, Contains("voxel: 0.2") && Contains("noise: fastlio"));
+  // Each variant against the baseline at the same values.
+  CHECK(study.baseline[6] == std::size_t{2});
+  CHECK_FALSE(study.baseline[2].has_value());
+}
+
+TEST_CASE("what is wrong in a study is told with its place and a remedy") {
+  const StudyFiles files;
+  const std::string one = "methods:\n" + method("fixed", "fixed_window");
+  struct Case {
+    std::string text;
+    std::vector<std::string> expected;
+  };
+  const std::vector<Case> cases = {
+      {"schema: aslio/study/1\nquestion: Which?\n",
+       {"'prediction'", "'rule'", "'datasets'", "'methods'", "is required"}},
+      {head() + kData + one + "baselin: fixed\n", {"study.yaml:8:1: unknown key 'baselin' (did you mean 'baseline'?)"}},
+      {head() + "datasets: [{scene: scene_a.yaml, seeds: 3-1}]\n" + one,
+       {"study.yaml:5:41", "'datasets.0.seeds' = \"3-1\""}},
+      {head() + "datasets: [{scene: a.yaml, dataset: b.yaml}]\n" + one, {"study.yaml:5:20", "exclude each other"}},
+      {head() + "datasets: [{dataset: b.yaml, set: [a=1]}]\n" + one, {"study.yaml:5:", "changes a scene"}},
+      {head() + "datasets: [{scene: gone.yaml}]\n" + one, {"study.yaml:5:20", "gone.yaml: cannot be opened"}},
+      {head() + "datasets: [{dataset: gone.yaml}]\n" + one, {"study.yaml:5:22", "gone.yaml: cannot be opened"}},
+      {head() + "datasets: [{scene: scene_a.yaml}, {scene: scene_a.yaml}]\n" + one,
+       {"study.yaml:5:35", "both make the data 'scene_a_1'", "another name"}},
+      {head() + "datasets: [{scene: scene_a.yaml, name: ../x}]\n" + one, {"study.yaml:5:40", "'../x_1' is no name"}},
+      {head() + kData + one + method("fixed", "as_lio"), {"study.yaml:8:12", "'fixed' is the name of two methods"}},
+      {head() + kData + "methods:\n" + method("a b", "as_lio"), {"study.yaml:7:12", "'a b' is no name"}},
+      {head() + kData + "methods: [{name: a, pipeline: gone.yaml}]\n",
+       {"study.yaml:6:31", "gone.yaml: cannot be opened"}},
+      {head() + kData + "methods:\n" + method("a", "as_lio", "set: {window.perod: 1}"),
+       {"study.yaml:7:", "method 'a'", "window.perod"}},
+      {head() + kData + "methods:\n" + method("a", "as_lio", "set: [1]"),
+       {"study.yaml:7:", "must be a block of dotted paths"}},
+      {head() + kData + one + "vary: [{path: overlap.voxel, values: []}]\n",
+       {"study.yaml:8:", "must be a list of values"}},
+      {head() + kData + one + "vary: [{path: overlap.voxel, values: [0.1, -1]}]\n",
+       {"study.yaml:7:", "method 'fixed_voxel_-1'", "out of range"}},
+      {head() + kData + one + "baseline: fixd\n", {"study.yaml:8:11", "'fixd'; there are: fixed"}},
+      {head() + kData + one + "metrics: [ate]\n", {"study.yaml:8:11", "must be one of"}},
+      {head() + kData + one + "order_seeds: [0, 0.5]\n", {"study.yaml:8:14", "must be whole numbers"}},
+  };
+  for (const Case& wrong : cases) {
+    const std::string complaint = files.complaint(wrong.text);
+    INFO(wrong.text << "\n" << complaint);
+    CHECK_FALSE(complaint.empty());
+    for (const std::string& part : wrong.expected) CHECK_THAT(complaint, Contains(part));
+  }
+}
+
+TEST_CASE("an error of several lines in a file that is named stays one line each") {
+  const StudyFiles files;
+  const std::string complaint =
+      files.complaint(head() + kData + "methods:\n" + method("a", "as_lio", "set: {window.perod: 1, map.voxl: 2}"));
+  INFO(complaint);
+  CHECK_THAT(complaint, Contains("voxl") && Contains("perod") && !Contains("\\x0a"));
+  CHECK(std::count(complaint.begin(), complaint.end(), '\n') == 1);
+}
+
+TEST_CASE("a placeholder names a method that stands before it") {
+  const StudyFiles files;
+  const std::string replay =
+      method("shifted", "as_lio", "set: {window: {type: replay, file: '{run:as_lio}/updates.csv'}}");
+  const std::string good = head() + kData + "methods:\n" + method("as_lio", "as_lio") + replay;
+  const Study study = files.load(good);
+  REQUIRE(study.methods[1].uses.size() == 1);
+  CHECK(study.methods[1].uses[0] == std::pair<std::string, std::size_t>("as_lio", 0));
+  // With axes, the run at the same values is meant.
+  const Study varied = files.load(good + "vary: [{path: overlap.voxel, values: [0.1, 0.2]}]\n");
+  CHECK(varied.methods[3].uses[0].second == 1);
+  CHECK_THAT(files.complaint(head() + kData + "methods:\n" + replay + method("as_lio", "as_lio")),
+             Contains("study.yaml:7:") && Contains("{run:as_lio}: no method of that name stands before 'shifted'"));
+}

@@ -1,0 +1,86 @@
+/// The runs of a study: their order, their keys, and what a glob selects.
+
+#include <catch2/catch.hpp>
+
+#include "study_files.hpp"
+
+using namespace aslio::test;
+using namespace aslio::experiment;
+
+namespace {
+
+/// Two data x order seeds 0 and 7 x (as_lio, fixed, shifted).
+std::string study_text() {
+  return head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\nmethods:\n" + method("as_lio", "as_lio") +
+         method("fixed", "fixed_window") +
+         method("shifted", "as_lio", "set: {window: {type: replay, file: '{run:as_lio}/updates.csv', shift: 5}}") +
+         "order_seeds: [0, 7]\n";
+}
+
+std::vector<std::string> selection(const Study& study, const std::string& glob) {
+  const auto runs = plan_runs(study, "program");
+  const auto selected = select_runs(study, runs, glob);
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (selected[i]) out.push_back(study.data[runs[i].data].name + "/" + runs[i].folder);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("runs come by data, order seed and method, and know the runs they use") {
+  const StudyFiles files;
+  const Study study = files.load(study_text());
+  const auto runs = plan_runs(study, "program");
+  REQUIRE(runs.size() == 12);
+  CHECK(selection(study, "") ==
+        std::vector<std::string>{"scene_a_1/as_lio", "scene_a_1/fixed", "scene_a_1/shifted", "scene_a_1/as_lio_order_7",
+                                 "scene_a_1/fixed_order_7", "scene_a_1/shifted_order_7", "scene_a_2/as_lio",
+                                 "scene_a_2/fixed", "scene_a_2/shifted", "scene_a_2/as_lio_order_7",
+                                 "scene_a_2/fixed_order_7", "scene_a_2/shifted_order_7"});
+  CHECK(runs[11].uses == std::vector<std::size_t>{9});
+  CHECK(overrides_of(study, runs, runs[11], "/out put/ru\"ns") ==
+        std::vector<std::string>{
+            "window={type: replay, file: \"/out put/ru\\\"ns/scene_a_2/as_lio_order_7/updates.csv\", "
+            "shift: 5}"});
+}
+
+TEST_CASE("a glob selects by data, method or both, with the runs that are used") {
+  const StudyFiles files;
+  const Study study = files.load(study_text());
+  CHECK(selection(study, "scene_a_2/fix*") == std::vector<std::string>{"scene_a_2/fixed", "scene_a_2/fixed_order_7"});
+  CHECK(selection(study, "scene_a_1").size() == 6);
+  CHECK(selection(study, "*_2/shifted") == std::vector<std::string>{"scene_a_2/as_lio", "scene_a_2/shifted"});
+  CHECK(selection(study, "shifted").size() == 8);
+  CHECK(selection(study, "nothing").empty());
+}
+
+TEST_CASE("the key of a run changes with what the run depends on, and with nothing else") {
+  const StudyFiles files;
+  const auto keys = [&](const std::string& text, const std::string& program = "program") {
+    std::vector<std::string> out;
+    const Study study = files.load(text);
+    for (const StudyRun& run : plan_runs(study, program)) out.push_back(run.key);
+    return out;
+  };
+  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::string text = study_text();
+  const auto before = keys(text);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) CHECK(before[i] != before[j]);
+  }
+  CHECK(keys(replaced(text, "Which?", "Which of them?")) == before);
+  CHECK(keys(text, "other program")[0] != before[0]);
+
+  // Another as_lio is another `shifted`, which replays it; `fixed` stays.
+  const auto other = keys(replaced(text, "as_lio.yaml}", "as_lio.yaml, set: {window.seg_step: 0.2}}"));
+  CHECK(other[0] != before[0]);
+  CHECK(other[1] == before[1]);
+  CHECK(other[2] != before[2]);
+
+  write_text(files.folder / "scene_a.yaml", "first, changed\n");
+  CHECK(keys(text)[1] != before[1]);
+}
