@@ -5,38 +5,6 @@
 
 namespace aslio::plugins {
 
-void RigidTrajectory::clear(const NavState& start) {
-  segments_.clear();
-  end_ = start;
-  corrected_end_ = start.pose();
-}
-
-void RigidTrajectory::append(const MotionSegment& segment, const NavState& end) {
-  segments_.push_back(segment);
-  end_ = end;
-  corrected_end_ = end.pose();
-}
-
-Pose RigidTrajectory::predicted(TimeNs t) const {
-  if (segments_.empty() || t >= end_.t) return end_.pose();
-  auto later = std::upper_bound(segments_.begin(), segments_.end(), t,
-                                [](TimeNs at, const MotionSegment& segment) { return at < segment.t; });
-  if (later == segments_.begin()) return segments_.front().pose(segments_.front().t);
-  return std::prev(later)->pose(t);
-}
-
-Pose RigidTrajectory::pose(TimeNs t) const { return corrected_end_ * (end_.pose().inverse() * predicted(t)); }
-
-void RigidTrajectory::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
-  // T(t) = T_end T_rel with T_rel fixed. eq. TRJ-1.
-  const Pose relative = end_.pose().inverse() * predicted(t);
-  out.resize(6, 6);
-  out.setZero();
-  out.topLeftCorner<3, 3>() = relative.R.transpose();
-  out.bottomLeftCorner<3, 3>() = -corrected_end_.R * hat(relative.p);
-  out.bottomRightCorner<3, 3>().setIdentity();
-}
-
 void Frame::reserve(std::size_t points) {
   if (points <= raw_.capacity()) return;
   points *= 2;  // windows vary with what is in view: one that is twice as full needs no memory
@@ -45,6 +13,8 @@ void Frame::reserve(std::size_t points) {
   body_.reserve(points);
   match_body_.reserve(points);
   match_range_.reserve(points);
+  match_raw_.reserve(points);
+  match_time_.reserve(points);
   for (auto& list : world_) list.reserve(points);
 }
 
@@ -100,24 +70,38 @@ struct EndSegment {
   }
 };
 
-}  // namespace
-
-void Frame::deskew(const RigidTrajectory& trajectory) {
-  body_.resize(raw_.size());
+/// Hands p_I at the end of the window of `count` points in time order to `out`; `raw_of` tells the i-th.
+template <class RawOf, class Out>
+void bring_to_end(const WindowTrajectory& trajectory, const Pose& T_imu_lidar, std::size_t count, const RawOf& raw_of,
+                  const Out& out) {
   const auto segments = trajectory.segments();
   const NavState& end = trajectory.predicted_end();
+  const auto in_imu = [&](const TimedPoint& p) { return T_imu_lidar * Vec3(p.x, p.y, p.z); };
   std::size_t i = 0;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const EndSegment segment(segments[s], end);
     const TimeNs until = s + 1 < segments.size() ? segments[s + 1].t : kTimeMax;
-    for (; i < raw_.size() && raw_[i].t <= until; ++i) {
-      const Vec3 p_I = T_imu_lidar_ * Vec3(raw_[i].x, raw_[i].y, raw_[i].z);
-      body_[i] = segment.at_end(p_I, to_seconds(raw_[i].t - segments[s].t)).cast<float>();
+    for (; i < count && raw_of(i).t <= until; ++i) {
+      out(i, segment.at_end(in_imu(raw_of(i)), to_seconds(raw_of(i).t - segments[s].t)));
     }
   }
-  for (; i < raw_.size(); ++i) {  // no IMU at all: the points stay as measured
-    body_[i] = (T_imu_lidar_ * Vec3(raw_[i].x, raw_[i].y, raw_[i].z)).cast<float>();
-  }
+  for (; i < count; ++i) out(i, in_imu(raw_of(i)));  // no IMU at all: the points stay as measured
+}
+
+}  // namespace
+
+void Frame::deskew(const WindowTrajectory& trajectory) {
+  body_.resize(raw_.size());
+  bring_to_end(
+      trajectory, T_imu_lidar_, raw_.size(), [&](std::size_t i) -> const TimedPoint& { return raw_[i]; },
+      [&](std::size_t i, const Vec3& p) { body_[i] = p.cast<float>(); });
+}
+
+void Frame::deskew_matches(const WindowTrajectory& trajectory) {
+  bring_to_end(
+      trajectory, T_imu_lidar_, match_raw_.size(),
+      [&](std::size_t i) -> const TimedPoint& { return raw_[match_raw_[i]]; },
+      [&](std::size_t i, const Vec3& p) { match_body_[i] = p; });
 }
 
 void Frame::sample_body(SamplerChain& samplers) {
@@ -125,18 +109,27 @@ void Frame::sample_body(SamplerChain& samplers) {
   samplers.sample(Sampler::ActsOn::body, batch);
   match_body_.clear();
   match_range_.clear();
+  match_raw_.clear();
+  match_time_.clear();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     if ((taps_[i] & mask(Tap::match)) == 0) continue;
     match_body_.push_back(body_[i].cast<double>());
+    match_raw_.push_back(static_cast<std::uint32_t>(i));
+    match_time_.push_back(raw_[i].t);
     match_range_.push_back(Eigen::Vector3f(raw_[i].x, raw_[i].y, raw_[i].z).norm());
   }
 }
 
-void Frame::place(const Pose& end) {
+void Frame::place(const WindowTrajectory& trajectory) {
   for (auto& list : world_) list.clear();
+  Pose end = trajectory.end_at(1.0);
+  TimeNs placed = kTimeMin;  // points come in groups of equal time
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     if (taps_[i] == 0) continue;
     const TimedPoint& p = raw_[i];
+    if (trajectory.spread() == WindowTrajectory::Spread::linear && p.t != placed) {
+      end = trajectory.end_at(trajectory.share(placed = p.t));
+    }
     const WorldPoint point{end * body_[i].cast<double>(),
                            p.t,
                            Eigen::Vector3f(p.x, p.y, p.z).norm(),

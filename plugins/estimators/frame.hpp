@@ -6,33 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "aslio/stages/estimator.hpp"
+#include "estimators/window_trajectory.hpp"
 
 namespace aslio::plugins {
-
-/// T_W_I over a fresh interval: the predicted segments, moved rigidly with the correction of the end pose.
-class RigidTrajectory final : public TrajectoryModel {
- public:
-  void reserve(std::size_t segments) { segments_.reserve(segments); }
-  void clear(const NavState& start);
-  void append(const MotionSegment& segment, const NavState& end);
-  /// The end pose after the update; everything before it moves along rigidly.
-  void correct(const Pose& end) { corrected_end_ = end; }
-
-  std::span<const MotionSegment> segments() const { return segments_; }
-  const NavState& predicted_end() const { return end_; }
-
-  Pose pose(TimeNs t) const override;
-  int dof() const override { return 6; }
-  void jacobian(TimeNs t, Eigen::MatrixXd& out) const override;
-
- private:
-  Pose predicted(TimeNs t) const;
-
-  std::vector<MotionSegment> segments_;
-  NavState end_;
-  Pose corrected_end_;
-};
 
 class Frame {
  public:
@@ -41,15 +17,18 @@ class Frame {
   /// Raw phase of the chain over the fresh points; keeps those some tap still wants.
   void sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers);
   /// p_I at the end of the window for every kept point (docs/equations.md DSK-1).
-  void deskew(const RigidTrajectory& trajectory);
+  void deskew(const WindowTrajectory& trajectory);
   /// Body phase of the chain, then the lists per tap.
   void sample_body(SamplerChain& samplers);
-  /// World points of every tap for the end pose T_W_I.
-  void place(const Pose& end);
+  /// match_body() again, for another trajectory; the choice of points stays.
+  void deskew_matches(const WindowTrajectory& trajectory);
+  /// World points of every tap, with the correction of the trajectory.
+  void place(const WindowTrajectory& trajectory);
 
-  /// Body points and ranges of the match tap.
+  /// Points of the match tap: where deskew() brought them, their range [m] and time.
   std::span<const Vec3> match_body() const { return match_body_; }
   std::span<const float> match_range() const { return match_range_; }
+  std::span<const TimeNs> match_time() const { return match_time_; }
   std::span<const WorldPoint> world(Tap tap) const { return world_[slot(tap)]; }
 
  private:
@@ -64,6 +43,8 @@ class Frame {
   std::vector<Eigen::Vector3f> body_;
   std::vector<Vec3> match_body_;
   std::vector<float> match_range_;
+  std::vector<std::uint32_t> match_raw_;  ///< into raw_
+  std::vector<TimeNs> match_time_;
   std::array<std::vector<WorldPoint>, 3> world_;
 };
 

@@ -26,6 +26,14 @@ void Ieskf::describe(config::Binder& b, Params& p) {
            "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
            "(0.5 %), too");
   b.flag("time_offset", p.estimated.time_offset, "estimate the delay of the IMU (prior 3 ms)");
+  b.choice("deskew_correction", p.deskew_correction,
+           {{"rigid", DeskewCorrection::rigid},
+            {"linear", DeskewCorrection::linear},
+            {"asymptotic", DeskewCorrection::asymptotic},
+            {"state", DeskewCorrection::state}},
+           "how the correction reaches the points inside a window: all of it; in proportion to their time, in the rows "
+           "too; the same in the points only (AC-LIO); or de-skewed again with the rate, velocity and calibration of "
+           "the iterate, in the rows too");
   b.choice("noise", p.noise,
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
@@ -58,6 +66,10 @@ Ieskf::Ieskf(const Params& params, const BuildContext& context)
       sensor_(context.sensor),
       motion_(params.motion.make(context)),
       residual_(params.residual.make(context)),
+      trajectory_(params.deskew_correction == DeskewCorrection::linear ||
+                          params.deskew_correction == DeskewCorrection::asymptotic
+                      ? WindowTrajectory::Spread::linear
+                      : WindowTrajectory::Spread::rigid),
       frame_(context.sensor) {
   constexpr std::size_t kImuSamples = 256;  // of a window without a gap, at any usual rate
   trajectory_.reserve(kImuSamples);
@@ -98,17 +110,33 @@ ImuNoise Ieskf::noise_of(const ImuSample& from, const ImuSample& to) const {
 void Ieskf::propagate(const Window& window) {
   const CpuTimer timer(result_.times.predict);
   NavState state = state_;
+  begin_ = state;
+  imu_ = window.imu;
   trajectory_.clear(state);
   states_.clear();
+  Eigen::Matrix<double, 3, kStateDim> turned = Eigen::Matrix<double, 3, kStateDim>::Zero();
+  StateMatrix F;
+  Eigen::Matrix<double, kStateDim, 12> G;
   for (std::size_t i = 1; i < window.imu.size(); ++i) {
     const ImuSample& from = window.imu[i - 1];
     const ImuSample& to = window.imu[i];
+    if (params_.deskew_correction == DeskewCorrection::state) {
+      motion_->linearise(state, from, to, F, G);
+      turned = (F.block<3, 3>(block::theta, block::theta) * turned).eval();
+      turned.middleCols<kStateDim - block::b_w>(block::b_w) +=
+          F.block<3, kStateDim - block::b_w>(block::theta, block::b_w);
+    }
     motion_->propagate_covariance(state, from, to, noise_of(from, to), P_);
     const MotionSegment segment = motion_->step(state, from, to);
     trajectory_.append(segment, state);
     states_.push_back(state);
   }
   state.t = window.plan.end;
+  // eq. DSK-3: pose at the end; mean error of the rate over the window; velocity at the end.
+  seen_.setZero();
+  seen_.topLeftCorner<6, 6>().setIdentity();
+  seen_.middleRows<3>(6) = turned / std::max(to_seconds(state.t - begin_.t), 1e-6);
+  seen_.block<3, 3>(9, block::v).setIdentity();
   if (states_.empty()) states_.push_back(state);
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   state_ = state;
@@ -121,6 +149,7 @@ void Ieskf::MatchSet::reserve(std::size_t n, std::size_t rows_per_match, int k) 
   world.reserve(n);
   range.reserve(n);
   weight.reserve(n);
+  lag.reserve(n);
   surfaces.reserve(n);
   rows.reserve(n * rows_per_match);
   partials.reserve(exec::Executor::chunk_count(n, kGrain));
@@ -164,30 +193,111 @@ void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::ui
   for (std::size_t i = 0; i < n; ++i) set.world[i] = at.R * set.body[i] + at.p;
   MapQuery query = residual_->query();
   query.max_stamp = max_stamp;
+  if (residual_->surfaces_from_map()) return map.surfaces(set.world, query, set.surfaces);
   map.correspond(set.world, query, set.neighbours);
   residual_->fit(set.world, set.neighbours, set.surfaces);
 }
 
-PoseInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) {
+WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) {
   const std::size_t n = set.body.size();
   for (std::size_t i = 0; i < n; ++i) set.world[i] = at.R * set.body[i] + at.p;
   residual_->evaluate(set.world, set.range, set.surfaces, params_.sigma, set.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   const Mat3 Rt = at.R.transpose();
   return exec_.reduce(
-      n, kGrain, PoseInformation{}, std::span<PoseInformation>(set.partials),
+      n, kGrain, WindowInformation{}, std::span<WindowInformation>(set.partials),
       [&](std::size_t begin, std::size_t end) {
-        PoseInformation sum;
+        WindowInformation sum;
         for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
           const ResidualRow& z = set.rows[row];
           if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
           const std::size_t i = row / rows_per_match;
           const double weight = set.weight.empty() ? 1.0 : set.weight[i];
-          sum.add(set.body[i], Rt, z.J, z.r, weight * z.information);  // eq. IESKF-1
+          const double information = weight * z.information;
+          if (set.lag.empty()) {
+            sum.add(set.body[i], Rt, z.J, z.r, information);  // eq. IESKF-1
+          } else {
+            sum.add_late(set.body[i], Rt, z.J, z.r, information, set.lag[i]);
+          }
         }
         return sum;
       },
-      [](PoseInformation& total, const PoseInformation& part) { total += part; });
+      [](WindowInformation& total, const WindowInformation& part) { total += part; });
+}
+
+/// The normal equations of what the points see (eqs. DSK-2, DSK-3).
+void Ieskf::observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const {
+  A.setZero();
+  b.setZero();
+  A.topLeftCorner<6, 6>() = sum.full();
+  b.head<6>() = sum.b;
+  if (params_.deskew_correction == DeskewCorrection::linear) {
+    const double T = std::max(to_seconds(trajectory_.predicted_end().t - trajectory_.begin()), 1e-6);
+    A.topLeftCorner<6, 6>() += (sum.A2 / T - 2.0 * sum.A1) / T;
+    b.head<6>() -= sum.b1 / T;
+  } else if (params_.deskew_correction == DeskewCorrection::state) {
+    A.topRightCorner<6, 6>() = -sum.A1;
+    A.bottomLeftCorner<6, 6>() = -sum.A1.transpose();
+    A.bottomRightCorner<6, 6>() = sum.A2;
+    b.tail<6>() = -sum.b1;
+  }
+}
+
+void Ieskf::load_fresh() {
+  fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
+  fresh_.range.assign(frame_.match_range().begin(), frame_.match_range().end());
+  fresh_.lag.clear();
+  if (params_.deskew_correction != DeskewCorrection::linear && params_.deskew_correction != DeskewCorrection::state) {
+    return;
+  }
+  for (const TimeNs t : frame_.match_time()) fresh_.lag.push_back(to_seconds(trajectory_.predicted_end().t - t));
+}
+
+/// The trajectory that ends in `at` when the IMU is read with its biases and calibration.
+void Ieskf::retrace(const NavState& at) {
+  NavState start = begin_;
+  start.b_w = at.b_w;
+  start.b_a = at.b_a;
+  start.g = at.g;
+  start.S_w = at.S_w;
+  start.imu_delay = at.imu_delay;
+  NavState end = start;
+  for (std::size_t i = 1; i < imu_.size(); ++i) motion_->step(end, imu_[i - 1], imu_[i]);
+  // Turned by Q as a whole, all velocities but those from gravity turn with it.
+  const Mat3 Q = at.R * end.R.transpose();
+  const Vec3 fallen = to_seconds(end.t - start.t) * at.g;
+  start.R = orthonormalised(Q * start.R);
+  start.v = at.v - Q * (end.v - start.v - fallen) - fallen;
+  NavState state = start;
+  trajectory_.clear(start);
+  states_.clear();
+  for (std::size_t i = 1; i < imu_.size(); ++i) {
+    const MotionSegment segment = motion_->step(state, imu_[i - 1], imu_[i]);
+    trajectory_.append(segment, state);
+    states_.push_back(state);
+  }
+  const Vec3 by = at.p - state.p;
+  trajectory_.shift(by);
+  for (NavState& inside : states_) inside.p += by;
+  if (states_.empty()) states_.push_back(at);
+}
+
+/// Brings the fresh points to the end of the window again, as the iterate says.
+void Ieskf::follow(const NavState& at) {
+  const CpuTimer timer(result_.times.deskew);
+  if (params_.deskew_correction == DeskewCorrection::state) {
+    retrace(at);
+    frame_.deskew_matches(trajectory_);
+    fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
+    return;
+  }
+  trajectory_.correct(at.pose());
+  if (trajectory_.spread() == WindowTrajectory::Spread::rigid) return;
+  const Pose end_from_W = at.pose().inverse();
+  for (std::size_t i = 0; i < fresh_.body.size(); ++i) {
+    const double alpha = trajectory_.share(frame_.match_time()[i]);
+    fresh_.body[i] = end_from_W * (trajectory_.end_at(alpha) * frame_.match_body()[i]);
+  }
 }
 
 void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
@@ -212,14 +322,17 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     if (static_cast<std::int64_t>(sums.fresh.accepted) < params_.min_matches) return refuse(UpdateStatus::few_matches);
 
     const double weight = context.histories.weight(sums.fresh.accepted, sums.history.accepted);
-    const Mat6 A_new = sums.fresh.full();
-    const Mat6 A_all = A_new + weight * sums.history.full();
-    const Vec6 b_all = sums.fresh.b + weight * sums.history.b;
+    SeenMatrix A_all;
+    SeenVector b_all;
+    observe(sums.fresh, A_all, b_all);
+    A_all.topLeftCorner<6, 6>() += weight * sums.history.full();
+    b_all.head<6>() += weight * sums.history.b;
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
-    const StateVector delta = iteration_step(P, A_all, b_all, d);
+    const StateVector delta = iteration_step<kSeenDim>(P, seen_, A_all, b_all, d);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
     x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);
+    follow(x);
     const double turn = delta.segment<3>(block::theta).norm() / kRadPerDeg;
     const double shift = delta.segment<3>(block::p).norm();
     const bool converged = turn < params_.converged_deg && shift < params_.converged_m;
@@ -238,16 +351,18 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   }
 }
 
-void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Mat6& A_all,
-                   const HistorySelection& past) {
-  const Mat6 A_new = last.fresh.full();
-  const StateMatrix P = posterior_covariance(P_iterate, A_new, A_all, past.covariance);
+void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
+                   const SeenMatrix& A_all, const HistorySelection& past) {
+  SeenMatrix A_seen;
+  SeenVector unused;
+  observe(last.fresh, A_seen, unused);
+  const StateMatrix P = posterior_covariance<kSeenDim>(P_iterate, seen_, A_seen, A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
   // Directions are compared in metres: a rotation counts at the lever arm of a typical point.
   Vec6 scale;
   scale << Vec3::Constant(1.0 / kLeverArm), Vec3::Ones();
-  const Mat6 scaled = scale.asDiagonal() * A_new * scale.asDiagonal();
+  const Mat6 scaled = scale.asDiagonal() * last.fresh.full() * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
   for (int i = 0; i < 6; ++i) result_.spectrum[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
   const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * solver.eigenvalues()[0];
@@ -323,8 +438,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
     frame_.sample_body(context.samplers);
   }
   reserve(frame_.match_body().size(), past.points.size());
-  fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
-  fresh_.range.assign(frame_.match_range().begin(), frame_.match_range().end());
+  load_fresh();
   load_history(past);
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
   if (finite && context.map.size() == 0) {
@@ -340,9 +454,14 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
 }
 
 void Ieskf::finish() {
+  if (params_.deskew_correction == DeskewCorrection::state) {
+    const CpuTimer timer(result_.times.deskew);
+    if (!result_.accepted) retrace(state_);  // an iteration may have left another one
+    frame_.deskew(trajectory_);
+  }
   const CpuTimer timer(result_.times.solve);
   trajectory_.correct(state_.pose());
-  frame_.place(state_.pose());
+  frame_.place(trajectory_);
   records_.assign(fresh_.body.size(), MatchRecord{});
   if (result_.accepted) {
     const PoseInformation sum = evaluate(fresh_, state_, std::numeric_limits<double>::infinity());
@@ -355,7 +474,7 @@ void Ieskf::finish() {
       record.residual = static_cast<float>(z.r);
     }
     if (sum.accepted > 0) result_.residual_rms = std::sqrt(sum.squared_sum / static_cast<double>(sum.accepted));
-    result_.neighbours = &fresh_.neighbours;
+    if (!residual_->surfaces_from_map()) result_.neighbours = &fresh_.neighbours;
   }
   states_.back() = state_;
   result_.state = state_;

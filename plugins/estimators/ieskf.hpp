@@ -19,8 +19,17 @@ class Ieskf final : public Estimator {
   enum class Noise : std::uint8_t { fastlio, physical, rate_scaled };
   enum class Association : std::uint8_t { every_iteration, on_convergence, once };
 
+  /// How a window's correction reaches the points inside it.
+  enum class DeskewCorrection : std::uint8_t {
+    rigid,       ///< they move with the end of the window
+    linear,      ///< the correction grows from the begin to the end, in the rows too
+    asymptotic,  ///< the same, points only: de-skewed again at every iteration (AC-LIO)
+    state  ///< de-skewed again through the IMU with the rate, velocity and calibration of the iterate, in the rows too
+  };
+
   struct Params {
     EstimatedStates estimated;
+    DeskewCorrection deskew_correction = DeskewCorrection::rigid;
     Noise noise = Noise::fastlio;
     Association association = Association::every_iteration;
     std::int64_t max_iterations = 4;
@@ -35,6 +44,9 @@ class Ieskf final : public Estimator {
   static void describe(config::Binder& b, Params& p);
   Ieskf(const Params& params, const BuildContext& context);
 
+  MapContent map_content() const override {
+    return residual_->surfaces_from_map() ? MapContent::surfaces : MapContent::points;
+  }
   void reset(const InitialState& initial) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
@@ -46,10 +58,11 @@ class Ieskf final : public Estimator {
     std::vector<Vec3> body, world;
     std::vector<float> range;
     std::vector<double> weight;  ///< factor on the information of each point; empty: 1
+    std::vector<double> lag;     ///< time before the end of the window [s]; empty: rows do not depend on it
     Neighbours neighbours;
     std::vector<Surface> surfaces;
     std::vector<ResidualRow> rows;
-    std::vector<PoseInformation> partials;
+    std::vector<WindowInformation> partials;
 
     void reserve(std::size_t n, std::size_t rows_per_match, int k);
     void resize(std::size_t n, std::size_t rows_per_match);
@@ -57,8 +70,10 @@ class Ieskf final : public Estimator {
 
   /// Sums of one evaluation: information of the fresh points and of the history points (not yet weighted).
   struct Evaluation {
-    PoseInformation fresh, history;
+    WindowInformation fresh, history;
   };
+  using SeenMatrix = Eigen::Matrix<double, kSeenDim, kSeenDim>;
+  using SeenVector = Eigen::Matrix<double, kSeenDim, 1>;
 
   void find_velocity_alone();
   void propagate(const Window& window);
@@ -67,8 +82,12 @@ class Ieskf final : public Estimator {
   void load_history(const HistorySelection& past);
   void iterate(const HistorySelection& past, const StepContext& context);
   void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
-  PoseInformation evaluate(MatchSet& set, const NavState& at, double gate);
-  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Mat6& A_all,
+  WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
+  void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
+  void load_fresh();
+  void retrace(const NavState& at);
+  void follow(const NavState& at);
+  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const SeenMatrix& A_all,
               const HistorySelection& past);
   void refuse(UpdateStatus status);
   bool dead_reckoning_is_good() const;
@@ -88,7 +107,10 @@ class Ieskf final : public Estimator {
   TimeNs accepted_t_ = kTimeMin;
   double accepted_position_variance_ = 0, accepted_tilt_variance_ = 0;
 
-  RigidTrajectory trajectory_;
+  std::span<const ImuSample> imu_;  ///< of the window
+  NavState begin_;                  ///< state at its begin
+  SeenRows seen_ = SeenRows::Zero();
+  WindowTrajectory trajectory_;
   Frame frame_;
   MatchSet fresh_, history_;
   std::vector<NavState> states_;

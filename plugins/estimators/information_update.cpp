@@ -6,13 +6,15 @@ namespace aslio::plugins {
 
 namespace {
 
-using Columns = Eigen::Matrix<double, kStateDim, 6>;
-
-/// P_c S with P_c = P(:, 0:6) and S = (I + A P11)^-1: the gain of the pose information. A may be singular.
-Columns information_gain(const StateMatrix& P, const Mat6& A) {
-  const Mat6 S_inverse = Mat6::Identity() + A * P.topLeftCorner<6, 6>();
-  const Eigen::PartialPivLU<Mat6> lu(S_inverse);
-  return P.leftCols<6>() * lu.inverse();
+/// P C^T S with S = (I + A C P C^T)^-1: the gain of the information. A may be singular.
+template <int N>
+Eigen::Matrix<double, kStateDim, N> information_gain(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+                                                     const Eigen::Matrix<double, N, N>& A) {
+  using Square = Eigen::Matrix<double, N, N>;
+  const Eigen::Matrix<double, kStateDim, N> P_c = P * C.transpose();
+  const Square S_inverse = Square::Identity() + A * (C * P_c);
+  const Eigen::PartialPivLU<Square> lu(S_inverse);
+  return P_c * lu.inverse();
 }
 
 }  // namespace
@@ -46,25 +48,44 @@ StateMatrix transported_covariance(const StateMatrix& P, const Vec3& d_theta) {
   return out;
 }
 
-StateVector iteration_step(const StateMatrix& P, const Mat6& A, const Vec6& b, const StateVector& d) {
-  const Columns gain = information_gain(P, A);
-  return gain * (A * d.head<6>() - b) - d;
+template <int N>
+StateVector iteration_step(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+                           const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
+                           const StateVector& d) {
+  const Eigen::Matrix<double, N, 1> seen = C * d;
+  return information_gain<N>(P, C, A) * (A * seen - b) - d;
 }
 
-StateMatrix posterior_covariance(const StateMatrix& P, const Mat6& A_new, const Mat6& A_all, HistoryCovariance rule) {
+template <int N>
+StateMatrix posterior_covariance(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+                                 const Eigen::Matrix<double, N, N>& A_new, const Eigen::Matrix<double, N, N>& A_all,
+                                 HistoryCovariance rule) {
   StateMatrix out;
   if (rule == HistoryCovariance::joseph) {
-    const Columns gain = information_gain(P, A_all);
+    const Eigen::Matrix<double, kStateDim, N> gain = information_gain<N>(P, C, A_all), used = gain * A_new;
     StateMatrix X = StateMatrix::Identity();
-    X.leftCols<6>().noalias() -= gain * A_new;
+    X.noalias() -= used * C;
     out.noalias() = X * P * X.transpose();
-    out.noalias() += gain * A_new * gain.transpose();
+    out.noalias() += used * gain.transpose();
   } else {
-    const Mat6& A = rule == HistoryCovariance::new_only ? A_new : A_all;
+    const Eigen::Matrix<double, N, N>& A = rule == HistoryCovariance::new_only ? A_new : A_all;
     out = P;
-    out.noalias() -= information_gain(P, A) * A * P.leftCols<6>().transpose();
+    const Eigen::Matrix<double, kStateDim, N> used = information_gain<N>(P, C, A) * A;
+    out.noalias() -= used * (C * P);
   }
   return 0.5 * (out + out.transpose());
 }
+
+template StateVector iteration_step<6>(const StateMatrix&, const Eigen::Matrix<double, 6, kStateDim>&, const Mat6&,
+                                       const Vec6&, const StateVector&);
+template StateVector iteration_step<kSeenDim>(const StateMatrix&, const SeenRows&,
+                                              const Eigen::Matrix<double, kSeenDim, kSeenDim>&,
+                                              const Eigen::Matrix<double, kSeenDim, 1>&, const StateVector&);
+template StateMatrix posterior_covariance<6>(const StateMatrix&, const Eigen::Matrix<double, 6, kStateDim>&,
+                                             const Mat6&, const Mat6&, HistoryCovariance);
+template StateMatrix posterior_covariance<kSeenDim>(const StateMatrix&, const SeenRows&,
+                                                    const Eigen::Matrix<double, kSeenDim, kSeenDim>&,
+                                                    const Eigen::Matrix<double, kSeenDim, kSeenDim>&,
+                                                    HistoryCovariance);
 
 }  // namespace aslio::plugins

@@ -1,7 +1,7 @@
 #pragma once
-/// The update of an error-state Kalman filter in information form, without any inverse of the state's size: all LiDAR
-/// information lives in the top-left 6 x 6 block of the error state (docs/equations.md IESKF-1 .. IESKF-7; AS-LIO
-/// (11)-(13) corrected).
+/// The update of an error-state Kalman filter in information form, without any inverse of the state's size: points see
+/// the error state through a few combinations C x of it, of which the pose (theta, p) comes first (docs/equations.md
+/// IESKF-1 .. IESKF-7; AS-LIO (11)-(13) corrected).
 
 #include <Eigen/Geometry>
 #include <optional>
@@ -40,6 +40,40 @@ struct PoseInformation {
   Mat6 full() const { return A.selfadjointView<Eigen::Lower>(); }
 };
 
+/// The same over a window whose points were measured tau [s] before its end: moments of tau tell how errors that grow
+/// with it (velocity, turn rate) show. eq. DSK-3.
+struct WindowInformation : PoseInformation {
+  Mat6 A1 = Mat6::Zero(), A2 = Mat6::Zero();  ///< sums of tau h^T h / R and tau^2 h^T h / R, both triangles
+  Vec6 b1 = Vec6::Zero();                     ///< sum of tau h^T z / R
+
+  void add_late(const Vec3& p_I, const Mat3& R_transposed, const Vec3& u, double z, double information, double tau) {
+    Vec6 h;
+    const Vec3 u_I = R_transposed * u;
+    h << p_I.cross(u_I), u;
+    const Vec6 weighted = information * h, later = tau * weighted;
+    const Mat6 late = later * h.transpose();
+    A.noalias() += weighted * h.transpose();
+    A1 += late;
+    A2 += tau * late;
+    b += z * weighted;
+    b1 += z * later;
+    squared_sum += z * z;
+    ++accepted;
+  }
+  WindowInformation& operator+=(const WindowInformation& other) {
+    PoseInformation::operator+=(other);
+    A1 += other.A1;
+    A2 += other.A2;
+    b1 += other.b1;
+    return *this;
+  }
+};
+
+/// What the points of a window see: the errors (theta, p) of the pose at its end, and the errors (rate, velocity) with
+/// which they were brought there.
+inline constexpr int kSeenDim = 12;
+using SeenRows = Eigen::Matrix<double, kSeenDim, kStateDim>;
+
 /// x [-] x_hat for the error state (theta, p, v, b_w, b_a, g, s, d).
 StateVector box_minus(const NavState& x, const NavState& reference);
 /// x [+] delta. With `unit_gravity` the length of g is kept (S^2 up to second order).
@@ -49,11 +83,17 @@ NavState box_plus(const NavState& x, const StateVector& delta, bool unit_gravity
 /// IESKF-3.
 StateMatrix transported_covariance(const StateMatrix& P, const Vec3& d_theta);
 
-/// delta = -P_c S b - d + P_c S A d_{0:6}, S = (I + A P11)^-1. eq. IESKF-5. `P` is the transported covariance.
-StateVector iteration_step(const StateMatrix& P, const Mat6& A, const Vec6& b, const StateVector& d);
+/// delta = -P C^T S b - d + P C^T S A C d, S = (I + A C P C^T)^-1. eq. IESKF-5. `P` is the transported covariance.
+template <int N>
+StateVector iteration_step(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+                           const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
+                           const StateVector& d);
 
 /// Posterior covariance when `A_new` comes from fresh and `A_all` from fresh and re-used residuals. eqs. IESKF-6,
 /// HIS-3.
-StateMatrix posterior_covariance(const StateMatrix& P, const Mat6& A_new, const Mat6& A_all, HistoryCovariance rule);
+template <int N>
+StateMatrix posterior_covariance(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+                                 const Eigen::Matrix<double, N, N>& A_new, const Eigen::Matrix<double, N, N>& A_all,
+                                 HistoryCovariance rule);
 
 }  // namespace aslio::plugins

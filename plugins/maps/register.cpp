@@ -1,12 +1,14 @@
 #include "aslio/plugin/registry.hpp"
 #include "maps/ikd_tree.hpp"
 #include "maps/voxel_hash.hpp"
+#include "maps/voxel_plane.hpp"
 
 namespace aslio::plugins {
 
 void register_maps(plugin::Registry<Map>& registry);
 
 void register_maps(plugin::Registry<Map>& registry) {
+  registry.add<VoxelPlane>("voxel_plane", "Planes of all points in a pyramid of voxels (VoxelMap).");
   registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
   registry.add<IkdTree>("ikd_tree", "Exact neighbours from an incremental k-d tree, thinned to one point per cell.");
 }

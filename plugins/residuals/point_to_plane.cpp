@@ -14,6 +14,9 @@ constexpr double kCoincident = 1e-6;
 }  // namespace
 
 void PointToPlane::describe(config::Binder& b, Params& p) {
+  b.choice("planes", p.planes, {{"neighbours", Planes::neighbours}, {"map", Planes::map}},
+           "where planes come from: fitted to the nearest points of the map, or kept by the map (k, max_distance, "
+           "plane_threshold and min_spread then do not count)");
   b.integer("k", p.k, "", {.min = 3, .max = Neighbours::kMax}, "neighbours of a plane, all of which must be found");
   b.real("max_distance", p.max_distance, "m", {.above = 0.0}, "neighbours farther than this are not looked at");
   b.real("plane_threshold", p.plane_threshold, "m", {.above = 0.0},

@@ -6,13 +6,16 @@
 
 namespace aslio::plugins {
 
-/// Distance of a point to the plane through its k nearest neighbours, r = n . (p - centroid) (docs/equations.md RES-1;
-/// AS-LIO (11)). A plane needs all k neighbours, none farther than plane_threshold from it, and neighbours that spread
-/// in two directions. The gate is FAST-LIO2's: 1 - 0.9 |r| / sqrt(range) > 0.9, which is range > 81 r^2.
+/// Distance of a point to the plane through its k nearest neighbours, or to the plane the map keeps there, r = n . (p -
+/// centroid) (docs/equations.md RES-1; AS-LIO (11)). A plane needs all k neighbours, none farther than plane_threshold
+/// from it, and neighbours that spread in two directions. The gate is FAST-LIO2's: 1 - 0.9 |r| / sqrt(range) > 0.9,
+/// which is range > 81 r^2.
 class PointToPlane final : public Residual {
  public:
+  enum class Planes : std::uint8_t { neighbours, map };
   enum class Kernel : std::uint8_t { none, huber, cauchy };
   struct Params {
+    Planes planes = Planes::neighbours;
     std::int64_t k = 5;
     double max_distance = 1.0;
     double plane_threshold = 0.1;
@@ -26,6 +29,7 @@ class PointToPlane final : public Residual {
 
   int rows_per_match() const override { return 1; }
   MapQuery query() const override;
+  bool surfaces_from_map() const override { return params_.planes == Planes::map; }
   void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) override;
   void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                 double sigma, std::span<ResidualRow> rows) override;

@@ -1,8 +1,11 @@
 #include "aslio/pipeline/odometry.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "aslio/core/cpu_clock.hpp"
+#include "aslio/core/errors.hpp"
 #include "prior_probe.hpp"
 
 namespace aslio::pipeline {
@@ -37,7 +40,15 @@ class Odometry::Loop {
         insertion_(config.insertion.make(context)),
         estimator_(config.estimator.make(context)),
         probe_(stream_, *estimator_, *overlaps_, context.sensor),
-        tracking_(config.max_speed, config.max_silence) {}
+        tracking_(config.max_speed, config.max_silence) {
+    if (map_->content() == estimator_->map_content()) return;
+    const bool surfaces = map_->content() == MapContent::surfaces;
+    throw ConfigError(fmt::format(
+        "map: '{}' holds {}, and the residual of the estimator asks for {}: set estimator.residual.planes to '{}', or "
+        "choose another map",
+        config.map.type(), surfaces ? "surfaces" : "points", surfaces ? "points" : "surfaces",
+        surfaces ? "map" : "neighbours"));
+  }
 
   void run_available() {
     if (!started() && !start()) return;

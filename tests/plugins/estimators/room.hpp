@@ -39,6 +39,18 @@ inline std::vector<WorldPoint> wall_points(int count) {
   return points;
 }
 
+/// The room from a sensor that turns evenly: at the origin, in the attitude Exp(rate s) s seconds after kRoomEpoch.
+struct TurningRoom {
+  Vec3 rate = Vec3::Zero();        ///< true [rad/s]
+  Vec3 gyro_error = Vec3::Zero();  ///< share of the rate that the gyro reads too much, per axis
+  Vec3 drift = Vec3::Zero();       ///< true velocity [m/s]
+
+  Pose at(TimeNs t) const {
+    const double s = to_seconds(t - kRoomEpoch);
+    return {exp_so3(s * rate), s * drift};
+  }
+};
+
 /// A window of `length` [ns] that measures the room from the fixed pose `T_W_I`; the sensor frame is the IMU frame.
 class RoomWindow {
  public:
@@ -56,6 +68,32 @@ class RoomWindow {
       point.y = static_cast<float>(p.y());
       point.z = static_cast<float>(p.z());
       point.t = begin + (i + 1) * length / points;
+      point.index = static_cast<std::uint32_t>(i);
+      fresh.push_back(point);
+    }
+    window.plan.history_begin = window.plan.fresh_begin = begin;
+    window.plan.end = begin + length;
+    window.sequence = sequence;
+    window.fresh = fresh;
+    window.imu = imu;
+  }
+  RoomWindow(TimeNs begin, TimeNs length, const TurningRoom& motion, std::uint32_t sequence, int points = 3000) {
+    for (int i = 0; i <= 20; ++i) {
+      const TimeNs t = begin + i * length / 20;
+      const Vec3 force = motion.at(t).R.transpose() * Vec3(0, 0, kStandardGravity);
+      imu.push_back({t, (Vec3::Ones() + motion.gyro_error).cwiseProduct(motion.rate), force});
+    }
+    const auto directions = all_around(points);
+    for (int i = 0; i < points; ++i) {
+      // Directions in an order that mixes early and late points.
+      const Vec3& d = directions[static_cast<std::size_t>(i * 1009L % points)];
+      TimedPoint point;
+      point.t = begin + (i + 1) * length / points;
+      const Pose pose = motion.at(point.t);
+      const Vec3 p = wall_distance(pose.p, pose.R * d) * d;
+      point.x = static_cast<float>(p.x());
+      point.y = static_cast<float>(p.y());
+      point.z = static_cast<float>(p.z());
       point.index = static_cast<std::uint32_t>(i);
       fresh.push_back(point);
     }

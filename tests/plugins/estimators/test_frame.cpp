@@ -1,4 +1,4 @@
-// De-skew and the rigid trajectory model.
+// De-skew and the trajectory of a window.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -9,11 +9,12 @@ using namespace aslio::plugins;
 
 namespace {
 
-RigidTrajectory turning_trajectory(double rate, int segments, double dt) {
+WindowTrajectory turning_trajectory(double rate, int segments, double dt,
+                                    WindowTrajectory::Spread spread = WindowTrajectory::Spread::rigid) {
   NavState state;
   state.t = 1'700'000'000'000'000'000;
   state.v = Vec3(1.0, 0.2, 0.0);
-  RigidTrajectory trajectory;
+  WindowTrajectory trajectory(spread);
   trajectory.clear(state);
   for (int i = 0; i < segments; ++i) {
     MotionSegment s;
@@ -40,7 +41,7 @@ TEST_CASE("de-skew puts a world point where every measurement of it says") {
   // From slow turns with a fast IMU to half a radian per IMU step: the series and the closed form.
   for (const auto& [rate, segments, dt] :
        {std::tuple{0.0, 20, 0.005}, std::tuple{4.5, 20, 0.005}, std::tuple{5.0, 2, 0.1}}) {
-    const RigidTrajectory trajectory = turning_trajectory(rate, segments, dt);
+    const WindowTrajectory trajectory = turning_trajectory(rate, segments, dt);
     SensorModel sensor;
     sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(0.04, 0.02, -0.03)};
     Frame frame(sensor);
@@ -61,19 +62,52 @@ TEST_CASE("de-skew puts a world point where every measurement of it says") {
     frame.sample_raw(raw, keep_all);
     frame.deskew(trajectory);
     frame.sample_body(keep_all);
-    const Pose end_pose = trajectory.predicted_end().pose();
-    frame.place(end_pose);
+    frame.place(trajectory);
     REQUIRE(frame.world(Tap::match).size() == raw.size());
     for (const WorldPoint& p : frame.world(Tap::match)) CHECK((p.p_W - target).norm() < 5e-6);
   }
 }
 
-TEST_CASE("the rigid trajectory moves with its end and its Jacobian agrees with central differences") {
-  RigidTrajectory trajectory = turning_trajectory(3.0, 10, 0.01);
+TEST_CASE("points are placed where the corrected trajectory was when they were measured") {
+  for (const auto spread : {WindowTrajectory::Spread::rigid, WindowTrajectory::Spread::linear}) {
+    WindowTrajectory trajectory = turning_trajectory(3.0, 20, 0.005, spread);
+    SensorModel sensor;
+    sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(0.04, 0.02, -0.03)};
+    Frame frame(sensor);
+    std::vector<TimedPoint> raw(50);
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      raw[i].x = 5.0F;
+      raw[i].y = static_cast<float>(i) / 10.0F;
+      raw[i].t = trajectory.begin() + (static_cast<TimeNs>(i) + 1) * kSecond / 1000;
+    }
+    SamplerChain keep_all;
+    frame.sample_raw(raw, keep_all);
+    frame.deskew(trajectory);
+    frame.sample_body(keep_all);
+    const Pose end = trajectory.predicted_end().pose();
+    trajectory.correct({end.R * exp_so3(Vec3(0.02, -0.03, 0.01)), end.p + Vec3(0.1, 0.2, -0.1)});
+    frame.place(trajectory);
+    const auto placed = frame.world(Tap::map);
+    REQUIRE(placed.size() == raw.size());
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      const Vec3 p_L(raw[i].x, raw[i].y, raw[i].z);
+      CHECK((placed[i].p_W - trajectory.pose(raw[i].t) * (sensor.T_imu_lidar * p_L)).norm() < 2e-6);
+    }
+  }
+}
+
+TEST_CASE("the trajectory moves with its end and its Jacobian agrees with central differences") {
+  const auto spread = GENERATE(WindowTrajectory::Spread::rigid, WindowTrajectory::Spread::linear);
+  WindowTrajectory trajectory = turning_trajectory(3.0, 10, 0.01, spread);
   const Pose end{exp_so3(Vec3(0.5, -0.1, 0.3)), Vec3(3, 2, 1)};
   trajectory.correct(end);
   const TimeNs t = trajectory.segments()[4].t + 3'000'000;
   CHECK((trajectory.pose(trajectory.predicted_end().t).p - end.p).norm() < 1e-12);
+  if (spread == WindowTrajectory::Spread::linear) {  // what was corrected before stays
+    const MotionSegment& first = trajectory.segments().front();
+    CHECK((trajectory.pose(first.t).p - first.p).norm() < 1e-12);
+    CHECK((trajectory.pose(first.t).R - first.R).norm() < 1e-12);
+  }
   Eigen::MatrixXd J;
   trajectory.jacobian(t, J);
   REQUIRE(J.cols() == trajectory.dof());

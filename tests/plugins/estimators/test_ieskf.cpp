@@ -2,6 +2,7 @@
 // data.
 #include <catch2/catch.hpp>
 #include <limits>
+#include <map>
 
 #include "aslio/pipeline/odometry.hpp"
 #include "pipeline/runs.hpp"
@@ -33,7 +34,8 @@ struct Filter {
   explicit Filter(const std::vector<std::string>& overrides = {}, double sigma_velocity = 0.05,
                   bool imu_is_known = false) {
     environment.sensor.T_imu_lidar = Pose{};
-    std::vector<std::string> all = {"estimator={type: ieskf}"};  // defaults, whatever the shipped files are tuned to
+    // Defaults, whatever the shipped files are tuned to.
+    std::vector<std::string> all = {"estimator={type: ieskf}", "map={type: voxel_hash}"};
     all.insert(all.end(), overrides.begin(), overrides.end());
     const pipeline::PipelineConfig config = shipped("as_lio", all);
     estimator = config.estimator.make(environment.context());
@@ -298,4 +300,83 @@ TEST_CASE("a single wall in view: the update counts, and is marked degenerate") 
   // Along the wall, up it, and turning about its normal: nothing is known.
   for (std::size_t i = 0; i < 3; ++i) CHECK(update.spectrum[i] < 1.0);
   CHECK(update.spectrum[3] > 100.0);
+}
+
+namespace {
+
+/// RMS distance [m] of the points for the map from the nearest wall.
+double off_the_walls(const Update& update) {
+  const Vec3 half(4, 3, 1.5);
+  double sum = 0;
+  for (const WorldPoint& p : update.points(Tap::map)) {
+    const double off = (half - p.p_W.cwiseAbs()).cwiseAbs().minCoeff();
+    sum += off * off;
+  }
+  return std::sqrt(sum / static_cast<double>(update.points(Tap::map).size()));
+}
+
+}  // namespace
+
+TEST_CASE("deskew_correction: within one window of a turn, the gyro's error shows") {
+  TurningRoom motion;
+  motion.rate = Vec3(0, 0, 3.0);
+  motion.gyro_error = Vec3(0, 0, 0.02);
+  std::map<std::string, double> off, scale;
+  for (const std::string rule : {"rigid", "linear", "asymptotic", "state"}) {
+    CAPTURE(rule);
+    Filter filter({"estimator.deskew_correction=" + rule, "estimator.gyro_calibration=full", "estimator.noise=physical",
+                   "estimator.max_iterations=10"});
+    filter.build_map(1);
+    const RoomWindow room(kRoomEpoch, kTenth, motion, 2);
+    const Update& update = filter.update(room);
+    REQUIRE(update.accepted);
+    off[rule] = off_the_walls(update);
+    scale[rule] = update.state.S_w(2, 2);
+    // Points lie where the trajectory says.
+    const TimedPoint& raw = room.fresh.front();
+    const Vec3 expected = update.trajectory->pose(raw.t) * Vec3(raw.x, raw.y, raw.z);
+    CHECK((update.points(Tap::map).front().p_W - expected).norm() < 1e-5);
+    CHECK((update.trajectory->pose(kRoomEpoch + kTenth).p - update.state.p).norm() < 1e-12);
+  }
+  CAPTURE(off, scale);
+  CHECK(off["rigid"] > 0.0015);  // 0.006 rad from begin to end
+  CHECK(off["linear"] < 0.4 * off["rigid"]);
+  CHECK(off["asymptotic"] < 0.4 * off["rigid"]);
+  CHECK(off["state"] < 0.4 * off["rigid"]);
+  CHECK(std::abs(scale["state"] - 0.02) < 0.002);
+}
+
+TEST_CASE("deskew_correction state: within one window, the velocity shows") {
+  TurningRoom motion;
+  motion.drift = Vec3(0.5, -0.3, 0.1);
+  for (const std::string rule : {"rigid", "state"}) {
+    CAPTURE(rule);
+    Filter filter({"estimator.deskew_correction=" + rule, "estimator.noise=physical", "estimator.max_iterations=10"},
+                  3.0);
+    filter.build_map(1);
+    const Update& update = filter.update(RoomWindow(kRoomEpoch, kTenth, motion, 2));
+    REQUIRE(update.accepted);
+    const double error = (update.state.v - motion.drift).norm();
+    if (rule == "state") CHECK(error < 0.01);
+    if (rule == "rigid") CHECK(error > 0.05);  // the end alone says where the mean of the window was
+    CHECK((off_the_walls(update) < 0.002) == (rule == "state"));
+  }
+}
+
+TEST_CASE("a refused update leaves no trace of its iterations") {
+  TurningRoom motion;
+  motion.rate = Vec3(0, 0, 2.0);
+  motion.gyro_error = Vec3(0, 0, 0.02);
+  for (const std::string rule : {"rigid", "linear", "state"}) {
+    CAPTURE(rule);
+    Filter filter({"estimator.deskew_correction=" + rule, "estimator.min_matches=1000000"});
+    filter.build_map(1);
+    const RoomWindow room(kRoomEpoch, kTenth, motion, 2);
+    const Update& update = filter.update(room);
+    REQUIRE(!update.accepted);
+    CHECK(same_state(update.state, update.prior));
+    CHECK((update.trajectory->pose(kRoomEpoch + kTenth).p - update.prior.p).norm() < 1e-12);
+    CHECK((update.trajectory->pose(kRoomEpoch).p).norm() < 1e-12);
+    CHECK((update.trajectory->pose(kRoomEpoch).R - Mat3::Identity()).norm() < 1e-9);
+  }
 }

@@ -18,6 +18,11 @@ StateMatrix some_covariance(double phase) {
   return A * A.transpose() + 1e-3 * StateMatrix::Identity();
 }
 
+using PoseRows = Eigen::Matrix<double, 6, kStateDim>;
+
+/// The pose alone is seen.
+PoseRows pose_rows() { return PoseRows::Identity(); }
+
 struct Rows {
   Eigen::MatrixXd H;  // n x 18
   Eigen::VectorXd z;
@@ -74,7 +79,7 @@ TEST_CASE("the iteration step equals the textbook Kalman step") {
   for (int i = 0; i < kStateDim; ++i) d[i] = 0.01 * std::sin(2.0 * i);
   const Eigen::MatrixXd K = gain(P, rows);
   const StateVector expected = -K * rows.z - (StateMatrix::Identity() - K * rows.H) * d;
-  const StateVector actual = iteration_step(P, rows.sums.full(), rows.sums.b, d);
+  const StateVector actual = iteration_step<6>(P, pose_rows(), rows.sums.full(), rows.sums.b, d);
   CHECK((actual - expected).norm() < 1e-9);
 }
 
@@ -86,7 +91,7 @@ TEST_CASE("posterior covariance: without history every rule gives (I - KH) P; si
     if (n > 0) expected = (StateMatrix::Identity() - gain(P, rows) * rows.H) * P;
     const Mat6 A = rows.sums.full();
     for (const auto rule : {HistoryCovariance::joseph, HistoryCovariance::new_only, HistoryCovariance::all}) {
-      CHECK((posterior_covariance(P, A, A, rule) - expected).cwiseAbs().maxCoeff() < 1e-10);
+      CHECK((posterior_covariance<6>(P, pose_rows(), A, A, rule) - expected).cwiseAbs().maxCoeff() < 1e-10);
     }
   }
 }
@@ -102,11 +107,52 @@ TEST_CASE("posterior covariance with history: the Joseph form of the gain that w
   const Eigen::MatrixXd K = P.leftCols<6>() * S * fresh.H.leftCols<6>().transpose() * fresh.information;
   const StateMatrix X = StateMatrix::Identity() - K * fresh.H;
   const StateMatrix expected = X * P * X.transpose() + K * K.transpose() / fresh.information;
-  CHECK((posterior_covariance(P, A_new, A_all, HistoryCovariance::joseph) - expected).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK((posterior_covariance<6>(P, pose_rows(), A_new, A_all, HistoryCovariance::joseph) - expected)
+            .cwiseAbs()
+            .maxCoeff() < 1e-12);
   // Re-used evidence must not make the filter more certain than the fresh points alone allow at best.
-  const StateMatrix all = posterior_covariance(P, A_new, A_all, HistoryCovariance::all);
-  const StateMatrix joseph = posterior_covariance(P, A_new, A_all, HistoryCovariance::joseph);
+  const StateMatrix all = posterior_covariance<6>(P, pose_rows(), A_new, A_all, HistoryCovariance::all);
+  const StateMatrix joseph = posterior_covariance<6>(P, pose_rows(), A_new, A_all, HistoryCovariance::joseph);
   CHECK(all.topLeftCorner<6, 6>().trace() < joseph.topLeftCorner<6, 6>().trace());
+}
+
+TEST_CASE("moments of the lag give the normal equations of rows that see velocity and rate too") {
+  // h = [h_pose, -tau h_pose] C for every row, summed the long way.
+  const StateMatrix P = some_covariance(0.4);
+  const Mat3 R = exp_so3(Vec3(0.3, -0.1, 0.2));
+  SeenRows C = SeenRows::Zero();
+  for (int i = 0; i < kSeenDim; ++i) {
+    for (int j = 0; j < kStateDim; ++j) C(i, j) = std::sin(1.0 + 0.7 * i + 1.9 * j);
+  }
+  constexpr int n = 40;
+  constexpr double information = 900.0;
+  WindowInformation sums;
+  Eigen::MatrixXd H(n, kStateDim);
+  Eigen::VectorXd z(n);
+  for (int i = 0; i < n; ++i) {
+    const Vec3 p_I(3 * std::sin(i), 2 * std::cos(1.7 * i), std::sin(0.3 * i * i));
+    const Vec3 u = Vec3(std::sin(2.1 * i), std::cos(0.9 * i), std::sin(0.4 * i + 1)).normalized();
+    const double tau = 0.1 * i / n;
+    z[i] = 0.02 * std::sin(5.0 * i);
+    Eigen::Matrix<double, 1, kSeenDim> h;
+    h << -u.transpose() * R * hat(p_I), u.transpose(), tau * u.transpose() * R * hat(p_I), -tau * u.transpose();
+    H.row(i) = h * C;
+    sums.add_late(p_I, R.transpose(), u, z[i], information, tau);
+  }
+  Eigen::Matrix<double, kSeenDim, kSeenDim> A;
+  Eigen::Matrix<double, kSeenDim, 1> b;
+  A << sums.full(), -sums.A1, -sums.A1.transpose(), sums.A2;
+  b << sums.b, -sums.b1;
+  const Eigen::MatrixXd S = H * P * H.transpose() + Eigen::MatrixXd::Identity(n, n) / information;
+  const Eigen::MatrixXd K = P * H.transpose() * S.inverse();
+  StateVector d;
+  for (int i = 0; i < kStateDim; ++i) d[i] = 0.01 * std::sin(2.0 * i);
+  const StateVector expected = -K * z - (StateMatrix::Identity() - K * H) * d;
+  CHECK((iteration_step<kSeenDim>(P, C, A, b, d) - expected).norm() < 1e-8);
+  const StateMatrix posterior = (StateMatrix::Identity() - K * H) * P;
+  for (const auto rule : {HistoryCovariance::joseph, HistoryCovariance::new_only, HistoryCovariance::all}) {
+    CHECK((posterior_covariance<kSeenDim>(P, C, A, A, rule) - posterior).cwiseAbs().maxCoeff() < 1e-8);
+  }
 }
 
 TEST_CASE("the transported prior is what the linearisation of x [-] x_hat says") {

@@ -3,50 +3,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
-#include <random>
 
-#include "aslio/stages/map.hpp"
-#include "plugins/overlaps/one_stage.hpp"
-#include "register_all.hpp"
+#include "plugins/maps/map_fixture.hpp"
 
 using namespace aslio;
+using namespace aslio::test;
 
 namespace {
-
-struct Fixture {
-  Fixture() { plugins::register_all(catalog); }
-  std::unique_ptr<Map> make(const std::string& type, exec::Executor& executor) {
-    return test::make_stage<Map>(catalog, type, BuildContext{executor, sensor, nullptr});
-  }
-  plugin::Catalog catalog;
-  SensorModel sensor;
-  exec::Executor exec{1};
-};
-
-class Uniform {
- public:
-  explicit Uniform(std::uint64_t seed) : engine_(seed) {}
-  double operator()(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  Vec3 in_box(const Vec3& centre, double half) {
-    const double x = (*this)(-half, half), y = (*this)(-half, half), z = (*this)(-half, half);
-    return centre + Vec3(x, y, z);
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-WorldPoint at(const Vec3& p) {
-  WorldPoint point;
-  point.p_W = p;
-  return point;
-}
-
-std::vector<Vec3> contents(const Map& map) {
-  std::vector<Vec3> points;
-  map.visit([&](const Vec3& p) { points.push_back(p); });
-  return points;
-}
 
 /// Squared distances within reach, ascending.
 std::vector<double> brute_force(const std::vector<Vec3>& points, const Vec3& query, double max_distance) {
@@ -79,9 +42,9 @@ void check_against_brute_force(const Map& map, const std::vector<Vec3>& queries,
 
 }  // namespace
 
-TEST_CASE("every map: neighbours equal brute force over insertions and trims, near and far from the origin") {
-  Fixture fixture;
-  const auto types = fixture.catalog.types(Map::family);
+TEST_CASE("every map of points: neighbours equal brute force over insertions and trims, near and far from the origin") {
+  EveryMap fixture;
+  const auto types = fixture.types(MapContent::points);
   REQUIRE(!types.empty());
   for (const auto& type : types) {
     for (const double origin : {0.0, 1e5}) {
@@ -117,9 +80,9 @@ TEST_CASE("every map: neighbours equal brute force over insertions and trims, ne
   }
 }
 
-TEST_CASE("every map: only points inserted at max_stamp or before are seen") {
-  Fixture fixture;
-  for (const auto& type : fixture.catalog.types(Map::family)) {
+TEST_CASE("every map of points: only points inserted at max_stamp or before are seen") {
+  EveryMap fixture;
+  for (const auto& type : fixture.types(MapContent::points)) {
     INFO(type);
     const auto map = fixture.make(type, fixture.exec);
     map->insert(std::vector<WorldPoint>{at({0.1, 0.1, 0.1})}, 1);
@@ -140,9 +103,9 @@ TEST_CASE("every map: only points inserted at max_stamp or before are seen") {
   }
 }
 
-TEST_CASE("every map: equal distances come in the order of insertion") {
-  Fixture fixture;
-  for (const auto& type : fixture.catalog.types(Map::family)) {
+TEST_CASE("every map of points: equal distances come in the order of insertion") {
+  EveryMap fixture;
+  for (const auto& type : fixture.types(MapContent::points)) {
     INFO(type);
     const std::vector<Vec3> around{{0.25, 0, 0},  {-0.25, 0, 0}, {0, 0.25, 0},
                                    {0, -0.25, 0}, {0, 0, 0.25},  {0, 0, -0.25}};
@@ -161,9 +124,9 @@ TEST_CASE("every map: equal distances come in the order of insertion") {
   }
 }
 
-TEST_CASE("every map: the same bits for any number of threads") {
-  Fixture fixture;
-  for (const auto& type : fixture.catalog.types(Map::family)) {
+TEST_CASE("every map of points: the same bits for any number of threads") {
+  EveryMap fixture;
+  for (const auto& type : fixture.types(MapContent::points)) {
     INFO(type);
     Neighbours expected;
     for (const int threads : {1, 2, 3, 8}) {
@@ -187,9 +150,9 @@ TEST_CASE("every map: the same bits for any number of threads") {
 }
 
 TEST_CASE("every map: what is not finite or beyond all cells is refused and finds nothing") {
-  Fixture fixture;
+  EveryMap fixture;
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  for (const auto& type : fixture.catalog.types(Map::family)) {
+  for (const auto& type : fixture.types()) {
     INFO(type);
     const auto map = fixture.make(type, fixture.exec);
     const std::vector<Vec3> bad{{nan, 0, 0}, {0, inf, 0}, {0, 0, -inf}, {1e30, 0, 0}, {0, -1e30, 0}, {0, 0, 1e300}};
@@ -212,8 +175,8 @@ TEST_CASE("every map: what is not finite or beyond all cells is refused and find
 }
 
 TEST_CASE("every map: memory stays bounded over a kilometre, and the points visited do not depend on the order") {
-  Fixture fixture;
-  for (const auto& type : fixture.catalog.types(Map::family)) {
+  EveryMap fixture;
+  for (const auto& type : fixture.types()) {
     INFO(type);
     const auto map = fixture.make(type, fixture.exec);
     Uniform uniform(11);

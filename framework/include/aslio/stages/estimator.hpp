@@ -91,6 +91,8 @@ struct StepContext {
 class Estimator : public Stage {
  public:
   static constexpr std::string_view family = "estimators";
+  /// What its map has to hold.
+  virtual MapContent map_content() const { return MapContent::points; }
   virtual void reset(const InitialState& initial) = 0;
   virtual const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) = 0;
   /// Posterior state of the last update.

@@ -1,6 +1,7 @@
 #pragma once
-/// Maps: nearest neighbours around world points, in batches.
+/// Maps: nearest neighbours or surfaces around world points, in batches.
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -8,6 +9,7 @@
 
 #include "aslio/config/nested.hpp"
 #include "aslio/stages/points.hpp"
+#include "aslio/stages/surface.hpp"
 
 namespace aslio {
 
@@ -49,15 +51,25 @@ struct InsertCount {
   std::size_t inserted = 0;  ///< the rest was refused as too close to what is there, full, or not finite
 };
 
-/// Contract. correspond() is const and may be called many times per update; it runs its own loop over the batch with
-/// the executor it was built with and allocates nothing beyond `out`'s growth. Exactness is stated by each map (voxel
+/// What a map holds, and so which of its two questions it answers.
+enum class MapContent : std::uint8_t { points, surfaces };
+
+/// Contract. A map of points answers correspond(), a map of surfaces answers surfaces(); the other one finds nothing.
+/// Both are const and may be called many times per update; they run their own loop over the batch with
+/// the executor they were built with and allocate nothing beyond `out`'s growth. Exactness is stated by each map (voxel
 /// maps see a fixed neighbourhood of cells). Same bits for any number of threads. insert() keeps the order given.
 /// trim() forgets what lies farther than the map's own radius from `centre_W` (it may keep up to one coarse cell more),
 /// so that memory is bounded by the radius; amortised.
 class Map : public Stage {
  public:
   static constexpr std::string_view family = "maps";
+  virtual MapContent content() const { return MapContent::points; }
   virtual void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const = 0;
+  /// The surface at each query, in W; not valid where there is none. Of the query, max_stamp alone counts.
+  virtual void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
+    (void)queries, (void)query;
+    std::fill(out.begin(), out.end(), Surface{});
+  }
   virtual InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) = 0;
   virtual void trim(const Vec3& centre_W) = 0;
   virtual void clear() = 0;

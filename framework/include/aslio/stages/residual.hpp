@@ -9,14 +9,6 @@
 
 namespace aslio {
 
-/// Local surface fitted to the neighbours of one match.
-struct Surface {
-  Vec3 normal = Vec3::Zero();  ///< unit normal (plane) or direction (line), W
-  Vec3 anchor = Vec3::Zero();  ///< a point on it, W
-  double quality = 1.0;        ///< weight in (0, 1]
-  bool valid = false;
-};
-
 /// One scalar row: r = h(p_W) [m], J = dr/dp_W, information 1/R [1/m^2] (0: the row takes no part).
 struct ResidualRow {
   double r = 0;
@@ -24,7 +16,8 @@ struct ResidualRow {
   double information = 0;
 };
 
-/// Contract. fit() turns the neighbours of each query into a surface; it is called once per association. evaluate() is
+/// Contract. fit() turns the neighbours of each query into a surface; it is called once per association. A residual
+/// may take the surfaces of the map instead. evaluate() is
 /// called at every iteration with the current world points; it writes rows_per_match() rows for each match and applies
 /// gates and robust weights. `range[i]` is |p_L| [m]. Deterministic; may use its executor; no allocation.
 class Residual : public Stage {
@@ -33,6 +26,9 @@ class Residual : public Stage {
   virtual int rows_per_match() const = 0;
   /// What to ask the map for.
   virtual MapQuery query() const = 0;
+  /// Whether the surfaces are those the map keeps (Map::surfaces()) rather than fitted to neighbours: then fit() is not
+  /// called.
+  virtual bool surfaces_from_map() const { return false; }
   virtual void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) = 0;
   virtual void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                         double sigma, std::span<ResidualRow> rows) = 0;

@@ -1,0 +1,64 @@
+#include "estimators/window_trajectory.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+namespace aslio::plugins {
+
+void WindowTrajectory::clear(const NavState& start) {
+  begin_ = start.t;
+  segments_.clear();
+  end_ = start;
+  corrected_end_ = start.pose();
+}
+
+void WindowTrajectory::append(const MotionSegment& segment, const NavState& end) {
+  segments_.push_back(segment);
+  end_ = end;
+  corrected_end_ = end.pose();
+}
+
+void WindowTrajectory::shift(const Vec3& by) {
+  for (MotionSegment& segment : segments_) segment.p += by;
+  end_.p += by;
+  corrected_end_.p += by;
+}
+
+double WindowTrajectory::share(TimeNs t) const {
+  if (t >= end_.t) return 1.0;
+  return t <= begin_ ? 0.0 : static_cast<double>(t - begin_) / static_cast<double>(end_.t - begin_);
+}
+
+Pose WindowTrajectory::end_at(double alpha) const {
+  if (spread_ == Spread::rigid) return corrected_end_;
+  const Vec3 turn = log_so3(end_.R.transpose() * corrected_end_.R);
+  return {end_.R * exp_so3(alpha * turn), end_.p + alpha * (corrected_end_.p - end_.p)};
+}
+
+Pose WindowTrajectory::predicted(TimeNs t) const {
+  if (segments_.empty() || t >= end_.t) return end_.pose();
+  auto later = std::upper_bound(segments_.begin(), segments_.end(), t,
+                                [](TimeNs at, const MotionSegment& segment) { return at < segment.t; });
+  if (later == segments_.begin()) return segments_.front().pose(segments_.front().t);
+  return std::prev(later)->pose(t);
+}
+
+Pose WindowTrajectory::pose(TimeNs t) const { return end_at(share(t)) * (end_.pose().inverse() * predicted(t)); }
+
+void WindowTrajectory::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
+  // T(t) = T_alpha T_rel with T_rel fixed. eqs. TRJ-1, DSK-2.
+  const Pose relative = end_.pose().inverse() * predicted(t);
+  const double alpha = spread_ == Spread::rigid ? 1.0 : share(t);
+  Mat3 turn = Mat3::Identity();  // of T_alpha per turn of the end
+  if (spread_ == Spread::linear) {
+    const Vec3 delta = log_so3(end_.R.transpose() * corrected_end_.R);
+    turn = alpha * right_jacobian_so3(alpha * delta) * right_jacobian_so3(delta).inverse();
+  }
+  out.resize(6, 6);
+  out.setZero();
+  out.topLeftCorner<3, 3>() = relative.R.transpose() * turn;
+  out.bottomLeftCorner<3, 3>() = -end_at(alpha).R * hat(relative.p) * turn;
+  out.bottomRightCorner<3, 3>() = alpha * Mat3::Identity();
+}
+
+}  // namespace aslio::plugins

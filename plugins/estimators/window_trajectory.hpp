@@ -1,0 +1,51 @@
+#pragma once
+/// T_W_I over the fresh interval of one window, as predicted and after the correction of its end.
+
+#include <span>
+#include <vector>
+
+#include "aslio/stages/estimator.hpp"
+
+namespace aslio::plugins {
+
+class WindowTrajectory final : public TrajectoryModel {
+ public:
+  /// How the correction delta of the end pose spreads over the interval.
+  enum class Spread : std::uint8_t {
+    rigid,  ///< all of it everywhere
+    linear  ///< alpha delta, alpha rising from 0 at the begin of the interval to 1 at its end (eq. DSK-2)
+  };
+
+  explicit WindowTrajectory(Spread spread) : spread_(spread) {}
+  void reserve(std::size_t segments) { segments_.reserve(segments); }
+  void clear(const NavState& start);
+  void append(const MotionSegment& segment, const NavState& end);
+  /// Moves everything, e.g. once the end has been found to lie elsewhere.
+  void shift(const Vec3& by);
+  /// The end pose after the update.
+  void correct(const Pose& end) { corrected_end_ = end; }
+
+  Spread spread() const { return spread_; }
+  std::span<const MotionSegment> segments() const { return segments_; }
+  const NavState& predicted_end() const { return end_; }
+  TimeNs begin() const { return begin_; }
+  /// Where a point that the prediction brings to p in the frame of the end lies at share `alpha` of the interval:
+  /// corrected_end() * p for a rigid correction.
+  Pose end_at(double alpha) const;
+  double share(TimeNs t) const;
+
+  Pose pose(TimeNs t) const override;
+  int dof() const override { return 6; }
+  void jacobian(TimeNs t, Eigen::MatrixXd& out) const override;
+
+ private:
+  Pose predicted(TimeNs t) const;
+
+  Spread spread_;
+  TimeNs begin_ = 0;
+  std::vector<MotionSegment> segments_;
+  NavState end_;
+  Pose corrected_end_;
+};
+
+}  // namespace aslio::plugins

@@ -1,0 +1,250 @@
+#include "maps/voxel_plane.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace aslio::plugins {
+
+namespace {
+
+constexpr std::size_t kQueriesPerChunk = 256;
+constexpr std::uint32_t kNone = CellIndex::kNone;
+/// Of the variances along the two directions of a plane: a line spans none.
+constexpr double kLeastSpread = 0.05;
+/// Of a direction in the plane to the thickness: a clump spans none.
+constexpr double kLeastAspect = 9;
+/// Growth of the count that is worth a new fit.
+constexpr double kRefit = 1.1;
+
+/// Which of eight halves `p` lies in, about the corner `low` with the half edge `half`; moves `low` to its corner.
+std::uint32_t descend(const Vec3& p, double half, Vec3& low) {
+  std::uint32_t octant = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (p[axis] < low[axis] + half) continue;
+    octant |= 1U << axis;
+    low[axis] += half;
+  }
+  return octant;
+}
+
+}  // namespace
+
+void VoxelPlane::describe(config::Binder& b, Params& p) {
+  b.real("voxel", p.voxel, "m", {.min = 0.05, .max = 100.0}, "edge of the coarsest voxels");
+  b.integer("levels", p.levels, "", {.min = 1, .max = 6}, "levels; each has half the edge of the one above");
+  b.integer("min_points", p.min_points, "", {.min = 4, .max = 10000}, "points a plane needs");
+  b.integer("max_points", p.max_points, "", {.min = 4, .max = 1e6}, "points after which a voxel is closed");
+  b.real("thickness", p.thickness, "m", {.above = 0.0, .max = 1.0},
+         "greatest standard deviation of the points across their plane");
+  b.real("doubt", p.doubt, "", {.min = 0.0, .max = 1e6},
+         "measurements a plane is matched with as one: the more, the less counts a plane of few points, or at its rim "
+         "(0: all the same)");
+  b.real("radius", p.radius, "m", {.above = 0.0}, "voxels farther than this from the sensor are forgotten");
+  b.require(p.min_points <= p.max_points, "min_points", "must not exceed max_points");
+}
+
+VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
+
+void VoxelPlane::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
+  out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
+  std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
+}
+
+void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
+  exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) out[i] = surface(queries[i], query.max_stamp);
+  });
+}
+
+Surface VoxelPlane::surface(const Vec3& query, std::uint32_t max_stamp) const {
+  const auto cell = cell_of(query, 1.0 / params_.voxel);
+  const std::uint32_t root = cell ? index_.find(pack(*cell)) : kNone;
+  if (root == kNone) return {};
+  const Vec3 origin = corner(*cell), p = query - origin;
+  Vec3 low = Vec3::Zero();
+  double edge = params_.voxel;
+  for (const Node* node = &roots_[root].node;; node = &nodes_[node->children + descend(p, edge, low)]) {
+    if (node->planar && node->stamp <= max_stamp) {
+      Surface found;
+      found.normal = node->normal;
+      found.anchor = origin + node->mean;
+      found.quality = quality(*node, p);
+      found.valid = true;
+      return found;
+    }
+    if (node->children == kNone) return {};
+    edge *= 0.5;
+  }
+}
+
+InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
+  InsertCount count{points.size(), 0};
+  VoxelCell last;
+  std::uint32_t root = kNone;
+  for (const WorldPoint& point : points) {
+    const auto cell = cell_of(point.p_W, 1.0 / params_.voxel);
+    if (!cell) continue;  // not finite, or beyond all cells
+    if (root == kNone || *cell != last) root = root_at(last = *cell);
+    count.inserted += add(root, point.p_W - corner(*cell)) ? 1U : 0U;
+  }
+  for (const Touched& touched : touched_) {
+    fit(touched.node == kNone ? roots_[touched.root].node : nodes_[touched.node], stamp);
+  }
+  touched_.clear();
+  return count;
+}
+
+std::uint32_t VoxelPlane::root_at(const VoxelCell& cell) {
+  const std::uint64_t key = pack(cell);
+  std::uint32_t number = index_.find(key);
+  if (number != kNone) return number;
+  if (free_roots_.empty()) {
+    number = static_cast<std::uint32_t>(roots_.size());
+    roots_.emplace_back();
+  } else {
+    number = free_roots_.back();
+    free_roots_.pop_back();
+  }
+  roots_[number] = {cell, {}, true};
+  index_.insert(key, number);
+  ++roots_in_use_;
+  return number;
+}
+
+std::uint32_t VoxelPlane::take_children() {
+  if (free_blocks_.empty()) {
+    nodes_.resize(nodes_.size() + 8);
+    return static_cast<std::uint32_t>(nodes_.size() - 8);
+  }
+  const std::uint32_t first = free_blocks_.back();
+  free_blocks_.pop_back();
+  for (std::uint32_t i = 0; i < 8; ++i) nodes_[first + i] = {};
+  return first;
+}
+
+/// Adds a point to its voxels of all levels; false when those are closed.
+bool VoxelPlane::add(std::uint32_t root, const Vec3& p) {
+  std::uint32_t number = kNone;
+  Vec3 low = Vec3::Zero();
+  double half = params_.voxel;
+  bool added = false;
+  for (std::int64_t level = 0;; ++level) {
+    Node& node = number == kNone ? roots_[root].node : nodes_[number];
+    const bool open = node.count < static_cast<std::uint32_t>(params_.max_points);
+    if (open) {
+      if (!node.touched) touched_.push_back({root, number});
+      node.touched = true;
+      sum_up(node, p);
+      added = true;
+    }
+    // Parts of a plane that is closed are never asked for, and those of a voxel with few points tell nothing.
+    if ((!open && node.planar) || level + 1 == params_.levels) return added;
+    if (node.children == kNone) {
+      if (node.count < static_cast<std::uint32_t>(params_.min_points)) return added;
+      const std::uint32_t children = take_children();
+      (number == kNone ? roots_[root].node : nodes_[number]).children = children;
+    }
+    half *= 0.5;
+    number = (number == kNone ? roots_[root].node : nodes_[number]).children + descend(p, half, low);
+  }
+}
+
+void VoxelPlane::sum_up(Node& node, const Vec3& p) {
+  ++node.count;
+  node.sum += p;
+  std::size_t k = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) node.squares[k++] += p[i] * p[j];
+}
+
+/// eq. MAP-1.
+void VoxelPlane::fit(Node& node, std::uint32_t stamp) const {
+  node.touched = false;
+  const bool closing = node.count >= static_cast<std::uint32_t>(params_.max_points);
+  if (node.count < static_cast<std::uint32_t>(params_.min_points) || (node.count < node.next_fit && !closing)) return;
+  const double n = node.count;
+  node.next_fit = static_cast<std::uint32_t>(kRefit * n) + 1;
+  node.mean = node.sum / n;
+  const auto& s = node.squares;
+  Mat3 covariance;
+  covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  covariance = covariance / n - node.mean * node.mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Mat3> solver;
+  solver.computeDirect(covariance);
+  const Vec3& variance = solver.eigenvalues();  // ascending
+  node.normal = solver.eigenvectors().col(0);
+  const bool planar = variance[0] < params_.thickness * params_.thickness && variance[1] > kLeastSpread * variance[2] &&
+                      variance[1] > kLeastAspect * variance[0] && node.normal.allFinite();
+  node.along = solver.eigenvectors().col(2);
+  node.longest = variance[2];
+  node.shortest = variance[1];
+  if (planar && !node.planar) node.stamp = stamp;
+  node.planar = planar;
+}
+
+/// eq. MAP-2.
+double VoxelPlane::quality(const Node& node, const Vec3& p) const {
+  const Vec3 d = p - node.mean;
+  const double across = d.dot(node.normal), along = d.dot(node.along);
+  const double rest = std::max(0.0, d.squaredNorm() - across * across - along * along);
+  const double n = node.count;
+  return n / (n + params_.doubt * (1.0 + along * along / node.longest + rest / node.shortest));
+}
+
+void VoxelPlane::give_back(const Node& node) {
+  if (node.children == kNone) return;
+  for (std::uint32_t i = 0; i < 8; ++i) give_back(nodes_[node.children + i]);
+  free_blocks_.push_back(node.children);
+}
+
+void VoxelPlane::drop(std::uint32_t number) {
+  Root& root = roots_[number];
+  index_.erase(pack(root.cell));
+  give_back(root.node);
+  root.in_use = false;
+  free_roots_.push_back(number);
+  --roots_in_use_;
+}
+
+void VoxelPlane::trim(const Vec3& centre_W) {
+  // One pass over all voxels per voxel edge of motion: the rest of the calls cost nothing.
+  if (!centre_W.allFinite() || (trimmed_ && (centre_W - trimmed_at_).norm() < params_.voxel)) return;
+  trimmed_ = true;
+  trimmed_at_ = centre_W;
+  for (std::uint32_t number = 0; number < roots_.size(); ++number) {
+    if (!roots_[number].in_use) continue;
+    const Vec3 relative = centre_W - corner(roots_[number].cell);
+    const Vec3 outside = relative - relative.cwiseMax(0.0).cwiseMin(params_.voxel);
+    if (outside.squaredNorm() > params_.radius * params_.radius) drop(number);
+  }
+}
+
+void VoxelPlane::clear() {
+  index_.clear();
+  roots_.clear();
+  free_roots_.clear();
+  nodes_.clear();
+  free_blocks_.clear();
+  roots_in_use_ = 0;
+  trimmed_ = false;
+}
+
+std::size_t VoxelPlane::memory_bytes() const {
+  return index_.memory_bytes() + roots_.capacity() * sizeof(Root) + nodes_.capacity() * sizeof(Node) +
+         (free_roots_.capacity() + free_blocks_.capacity()) * sizeof(std::uint32_t) +
+         touched_.capacity() * sizeof(Touched);
+}
+
+void VoxelPlane::visit(const std::function<void(const Vec3&)>& visitor) const {
+  std::vector<const Root*> order;
+  for (const Root& root : roots_)
+    if (root.in_use) order.push_back(&root);
+  std::sort(order.begin(), order.end(), [](const Root* a, const Root* b) {
+    return std::tie(a->cell.x, a->cell.y, a->cell.z) < std::tie(b->cell.x, b->cell.y, b->cell.z);
+  });
+  for (const Root* root : order) visitor(corner(root->cell) + root->node.sum / root->node.count);
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "aslio/stages/map.hpp"
+#include "maps/cell_index.hpp"
+
+namespace aslio::plugins {
+
+/// Planes in voxels that are halved down to a finest level (docs/equations.md MAP-1; after VoxelMap, Yuan et al. 2022):
+/// every voxel sums its points up, and is a plane while they are thin and spread in two directions. A query takes the
+/// plane of the coarsest level that has one: many points, little noise; where surfaces meet, a finer level may still
+/// tell them apart. A voxel is closed once it has max_points: later points, placed with later errors, must not drag it
+/// along.
+class VoxelPlane final : public Map {
+ public:
+  struct Params {
+    double voxel = 0.5;
+    std::int64_t levels = 2;
+    std::int64_t min_points = 10;
+    std::int64_t max_points = 500;
+    double thickness = 0.025;
+    double doubt = 10.0;
+    double radius = 150.0;
+  };
+  static void describe(config::Binder& b, Params& p);
+  VoxelPlane(const Params& params, const BuildContext& context);
+
+  MapContent content() const override { return MapContent::surfaces; }
+  void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override;
+  /// A plane counts as inserted when its voxel became one.
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override;
+  InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
+  void trim(const Vec3& centre_W) override;
+  void clear() override;
+  /// Voxels of the coarsest level.
+  std::size_t size() const override { return roots_in_use_; }
+  std::size_t memory_bytes() const override;
+  double radius() const override { return params_.radius; }
+  /// The mean of the points of every voxel of the coarsest level, by voxel.
+  void visit(const std::function<void(const Vec3&)>& visitor) const override;
+
+ private:
+  /// Coordinates are relative to the corner of the root voxel [m].
+  struct Node {
+    std::uint32_t count = 0;
+    std::uint32_t stamp = 0;                    ///< update that made it a plane
+    std::uint32_t next_fit = 0;                 ///< count from which it is fitted again
+    std::uint32_t children = CellIndex::kNone;  ///< number of the first of eight
+    bool planar = false, touched = false;
+    Vec3 sum = Vec3::Zero();
+    std::array<double, 6> squares{};  ///< xx, xy, xz, yy, yz, zz
+    Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
+    Vec3 along = Vec3::Zero();         ///< direction of the largest variance
+    double longest = 1, shortest = 1;  ///< variances within the plane [m^2]
+  };
+  struct Root {
+    VoxelCell cell;
+    Node node;
+    bool in_use = false;
+  };
+  struct Touched {
+    std::uint32_t root, node;  ///< node: kNone for that of the root itself
+  };
+
+  Vec3 corner(const VoxelCell& cell) const { return params_.voxel * Vec3(cell.x, cell.y, cell.z); }
+  std::uint32_t root_at(const VoxelCell& cell);
+  std::uint32_t take_children();
+  void give_back(const Node& node);
+  bool add(std::uint32_t root, const Vec3& p);
+  static void sum_up(Node& node, const Vec3& p);
+  void fit(Node& node, std::uint32_t stamp) const;
+  double quality(const Node& node, const Vec3& p) const;
+  void drop(std::uint32_t root);
+  Surface surface(const Vec3& query, std::uint32_t max_stamp) const;
+
+  Params params_;
+  exec::Executor& exec_;
+  CellIndex index_;
+  std::vector<Root> roots_;
+  std::vector<std::uint32_t> free_roots_;
+  std::size_t roots_in_use_ = 0;
+  std::vector<Node> nodes_;  ///< below the roots, in blocks of eight
+  std::vector<std::uint32_t> free_blocks_;
+  std::vector<Touched> touched_;
+  Vec3 trimmed_at_ = Vec3::Zero();
+  bool trimmed_ = false;
+};
+
+}  // namespace aslio::plugins

@@ -1,0 +1,102 @@
+// Planes in voxels: levels, closing, flatness. (eq. MAP-1)
+#include <catch2/catch.hpp>
+
+#include "plugins/maps/map_fixture.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+
+namespace {
+
+struct Planes {
+  explicit Planes(const std::string& text) : map(fixture.make(text)) {}
+  /// Points of z = height over [low, high] x [0, 1].
+  std::size_t floor(double low, double high, double height, int count, std::uint32_t stamp = 1, double noise = 0.0) {
+    std::vector<WorldPoint> points;
+    for (int i = 0; i < count; ++i) {
+      const double x = uniform(low, high), y = uniform(0, 1);
+      points.push_back(at({x, y, height + uniform(-noise, noise)}));
+    }
+    return map->insert(points, stamp).inserted;
+  }
+  Surface at_point(const Vec3& p, std::uint32_t max_stamp = 0xffffffff) {
+    MapQuery query;
+    query.max_stamp = max_stamp;
+    std::vector<Surface> found(1);
+    map->surfaces(std::vector<Vec3>{p}, query, found);
+    return found[0];
+  }
+  EveryMap fixture;
+  Uniform uniform{1};
+  std::unique_ptr<Map> map;
+};
+
+}  // namespace
+
+TEST_CASE("voxel_plane: a step that spoils the coarse voxel is told apart by the finer ones") {
+  for (const int levels : {1, 2}) {
+    CAPTURE(levels);
+    Planes planes("{type: voxel_plane, voxel: 1.0, levels: " + std::to_string(levels) + "}");
+    for (int i = 0; i < 5; ++i) {
+      planes.floor(0.0, 0.5, 0.2, 60);
+      planes.floor(0.5, 1.0, 0.4, 60);
+    }
+    const Surface low = planes.at_point({0.25, 0.25, 0.21}), high = planes.at_point({0.75, 0.25, 0.38});
+    REQUIRE(low.valid == (levels == 2));
+    REQUIRE(high.valid == (levels == 2));
+    if (levels == 1) continue;
+    CHECK(std::abs(low.anchor.z() - 0.2) < 1e-9);
+    CHECK(std::abs(high.anchor.z() - 0.4) < 1e-9);
+  }
+}
+
+TEST_CASE("voxel_plane: a voxel that is full is closed, so that later points do not move it") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, max_points: 100}");
+  CHECK(planes.floor(0, 1, 0.2, 100) == 100);
+  const Surface before = planes.at_point({0.5, 0.5, 0.2});
+  REQUIRE(before.valid);
+  CHECK(planes.floor(0, 1, 0.25, 500, 2) == 0);
+  const Surface after = planes.at_point({0.5, 0.5, 0.2});
+  CHECK(after.anchor == before.anchor);
+  CHECK(after.normal == before.normal);
+}
+
+TEST_CASE("voxel_plane: a plane counts from the update that made it one") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, min_points: 20}");
+  planes.floor(0, 1, 0.2, 10, 1);
+  CHECK(!planes.at_point({0.5, 0.5, 0.2}).valid);
+  planes.floor(0, 1, 0.2, 30, 5);
+  CHECK(planes.at_point({0.5, 0.5, 0.2}, 5).valid);
+  CHECK(!planes.at_point({0.5, 0.5, 0.2}, 4).valid);
+}
+
+TEST_CASE("voxel_plane: a plane counts less the fewer points it has, and beyond them") {
+  const auto quality = [](double doubt, int points, const Vec3& at) {
+    Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, doubt: " + std::to_string(doubt) + "}");
+    planes.floor(0.0, 0.5, 0.2, points, 1, 0.01);  // half of the voxel
+    const Surface found = planes.at_point(at);
+    REQUIRE(found.valid);
+    return found.quality;
+  };
+  const Vec3 inside(0.25, 0.5, 0.2), beyond(0.95, 0.5, 0.2);
+  CHECK(quality(0, 20, beyond) == 1.0);
+  CHECK(quality(10, 400, inside) > 0.95);
+  CHECK(quality(10, 20, inside) < 0.8);
+  // eq. MAP-2: the points deviate by 0.5 / sqrt(12) m in x, and `beyond` is 0.7 m from their mean.
+  const double leverage = 1 + 0.7 * 0.7 / (0.25 / 12);
+  CHECK(quality(10, 400, beyond) == Approx(400 / (400 + 10 * leverage)).epsilon(0.05));
+}
+
+TEST_CASE("voxel_plane: what is trimmed is forgotten, and its memory used again") {
+  Planes planes("{type: voxel_plane, voxel: 0.5, levels: 3, radius: 5}");
+  planes.floor(0, 1, 0.2, 2000);
+  REQUIRE(planes.at_point({0.5, 0.5, 0.2}).valid);
+  const std::size_t bytes = planes.map->memory_bytes();
+  planes.map->trim({20, 0, 0});
+  CHECK(planes.map->size() == 0);
+  CHECK(!planes.at_point({0.5, 0.5, 0.2}).valid);
+  planes.floor(20, 21, 0.2, 2000);
+  CHECK(planes.at_point({20.5, 0.5, 0.2}).valid);
+  CHECK(!planes.at_point({0.5, 0.5, 0.2}).valid);
+  CHECK(planes.map->memory_bytes() <= 2 * bytes);
+}
