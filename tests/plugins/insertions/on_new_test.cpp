@@ -1,32 +1,13 @@
 #include "insertions/on_new.hpp"
 
 #include <catch2/catch.hpp>
-#include <map>
 
 #include "plugins/build_environment.hpp"
+#include "plugins/insertions/recording_map.hpp"
 
 namespace aslio {
-namespace {
 
-/// Remembers what it was given.
-class RecordingMap final : public Map {
- public:
-  void correspond(std::span<const Vec3>, const MapQuery&, Neighbours&) const override {}
-  InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override {
-    for (const WorldPoint& p : points) stamps.emplace(p.t, stamp);
-    return {.offered = points.size(), .inserted = points.size() / 2};
-  }
-  void trim(const Vec3&) override {}
-  void clear() override { stamps.clear(); }
-  std::size_t size() const override { return stamps.size(); }
-  std::size_t memory_bytes() const override { return 0; }
-  double radius() const override { return 0; }
-  void visit(const std::function<void(const Vec3&)>&) const override {}
-
-  std::multimap<TimeNs, std::uint32_t> stamps;
-};
-
-}  // namespace
+using test::RecordingMap;
 
 TEST_CASE("on_new inserts each fresh point of the map tap once, under the number of its update") {
   test::BuildEnvironment environment;

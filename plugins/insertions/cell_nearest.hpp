@@ -1,0 +1,35 @@
+#pragma once
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "aslio/stages/insertion.hpp"
+
+namespace aslio::plugins {
+
+/// `cell_nearest`: a fresh point enters at its own update unless one of its k nearest points in the map is nearer than
+/// itself to the centre of its cell (eq. INS-2; FAST-LIO2). The points of one update do not see each other: a map that
+/// keeps one point per cell (`ikd_tree` with a leaf) sorts them out. Neighbours are searched at the posterior;
+/// FAST-LIO2 takes the lists of its last association, which differ by the last step of the iteration.
+class InsertCellNearest final : public Insertion {
+ public:
+  struct Params {
+    double cell = 0.5;
+    std::int64_t k = 5;
+  };
+  static void describe(config::Binder& b, Params& p);
+
+  InsertCellNearest(const Params& params, const BuildContext&) : params_(params) {}
+
+  bool needs_nearest_points() const override { return true; }
+  InsertCount apply(const Window& window, const Update& update, Map& map) override;
+
+ private:
+  bool nearer_to_centre(std::size_t query) const;
+
+  Params params_;
+  std::vector<Vec3> queries_;
+  Neighbours nearest_;
+  std::vector<WorldPoint> chosen_;
+};
+
+}  // namespace aslio::plugins

@@ -1,0 +1,22 @@
+#include "insertions/whole_window.hpp"
+
+namespace aslio::plugins {
+
+InsertCount InsertWholeWindow::apply(const Window& window, const Update& update, Map& map) {
+  if (update.restart_map) {
+    window_.clear();
+  } else {
+    window_.leave(window.plan.history_begin, [](std::span<const WorldPoint>, std::uint32_t) {});
+  }
+  const auto old = window_.inside(), fresh = update.points(Tap::map);
+  placed_.assign(old.begin(), old.end());
+  if (update.accepted) {
+    const Pose correction = update.state.pose() * update.prior.pose().inverse();  // eq. INS-1
+    for (WorldPoint& point : placed_) point.p_W = correction * point.p_W;
+  }
+  placed_.insert(placed_.end(), fresh.begin(), fresh.end());
+  window_.append(fresh, window.sequence);
+  return map.insert(placed_, window.sequence);
+}
+
+}  // namespace aslio::plugins

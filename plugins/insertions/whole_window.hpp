@@ -1,0 +1,28 @@
+#pragma once
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "aslio/stages/insertion.hpp"
+#include "insertions/window_points.hpp"
+
+namespace aslio::plugins {
+
+/// `whole_window`: every update inserts all points of its window again, as SR-LIO does with its reconstructed sweep:
+/// the fresh ones, and before them the old ones moved along with the correction of this update (eq. INS-1), all under
+/// its stamp. Meant for a map that refuses points too near to others; any other one holds each point once per window
+/// that saw it. Without a history the map is that of `on_new`. Points of refused updates are not part of later windows.
+class InsertWholeWindow final : public Insertion {
+ public:
+  struct Params {};
+  static void describe(config::Binder&, Params&) {}
+
+  InsertWholeWindow(const Params&, const BuildContext&) {}
+
+  InsertCount apply(const Window& window, const Update& update, Map& map) override;
+
+ private:
+  WindowPoints window_;
+  std::vector<WorldPoint> placed_;
+};
+
+}  // namespace aslio::plugins
