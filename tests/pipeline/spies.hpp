@@ -113,6 +113,9 @@ class EstimatorSpy final : public Estimator {
 class InsertionSpy final : public Insertion {
  public:
   InsertionSpy(std::unique_ptr<Insertion> inner, Observer& o) : inner_(std::move(inner)), observer_(o) {}
+  bool needs_nearest_points() const override { return inner_->needs_nearest_points(); }
+  InsertCount begin(const Window& window, Map& map) override { return inner_->begin(window, map); }
+  void finish(Map& map) override { inner_->finish(map); }
   InsertCount apply(const Window& window, const Update& update, Map& map) override {
     observer_.on_insert(window, update);
     const Call call(observer_, "insert");
