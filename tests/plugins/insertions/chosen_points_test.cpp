@@ -104,6 +104,20 @@ TEST_CASE("cell_nearest: what enters has no neighbour in the map nearer to the c
   check_rule("{type: cell_nearest, cell: 0.2, k: 1}", nearest(1));
 }
 
+TEST_CASE("cell_nearest: a point as near to the centre as its neighbour enters") {
+  EveryInsertion every;
+  const auto insertion = every.insertion("{type: cell_nearest, cell: 0.5}");
+  const auto map = every.map(kPlainMaps[0]);
+  const std::vector<WorldPoint> points = {test::at({0.125, 0.25, 0.25})};
+  Update update;
+  update.map_points = points;
+  for (std::uint32_t k = 1; k <= 3; ++k) {
+    Window window;
+    window.sequence = k;
+    CHECK(insertion->apply(window, update, *map).inserted == 1);
+  }
+}
+
 TEST_CASE("cell_nearest over a map of one point per cell: the cell keeps the nearest to its centre ever offered") {
   EveryInsertion every;
   const auto insertion = every.insertion("{type: cell_nearest, cell: 0.5}");
