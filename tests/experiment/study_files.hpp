@@ -11,6 +11,9 @@ namespace aslio::test {
 /// `{name: NAME, pipeline: configs/pipelines/PIPELINE.yaml of this repository, MORE}`, indented for `methods`.
 std::string method(const std::string& name, const std::string& pipeline, const std::string& more = "");
 
+/// small.yaml and what it reads: three seconds of swaying and turning in an empty room.
+void write_small_scene(const TemporaryFolder& folder);
+
 /// The three texts that every study needs, in one line each, and the schema.
 std::string head();
 

@@ -1,4 +1,4 @@
-/// `aslio experiment` from end to end, on the quickstart scene made small.
+/// `aslio experiment` from end to end, on a few seconds of data.
 
 #include <signal.h>
 
@@ -15,8 +15,7 @@ namespace {
 
 /// Two seeds, a fixed window and its schedule replayed a second later.
 std::string study_text() {
-  return head() + "datasets: [{scene: " + std::string(ASLIO_SOURCE_DIR) +
-         "/configs/scenes/quickstart.yaml, seeds: 1-2, name: q}]\nmethods:\n" + method("fixed", "fixed_window") +
+  return head() + "datasets: [{scene: small.yaml, seeds: 1-2, name: q}]\nmethods:\n" + method("fixed", "fixed_window") +
          method("replayed", "fixed_window",
                 "set: {window: {type: replay, file: '{run:fixed}/updates.csv', shift: 1}}") +
          "baseline: fixed\nmetrics: [ate_m]\n";
@@ -24,9 +23,12 @@ std::string study_text() {
 
 struct Bench {
   TemporaryFolder folder;
-  explicit Bench(const std::string& text) { write_text(folder / "study.yaml", text); }
+  explicit Bench(const std::string& text) {
+    write_small_scene(folder);
+    write_text(folder / "study.yaml", text);
+  }
   std::vector<std::string> arguments(const std::vector<std::string>& more, const std::string& output = "out") const {
-    std::vector<std::string> out = {"experiment", folder / "study.yaml", "--output", folder / output, "--scale", "0.2"};
+    std::vector<std::string> out = {"experiment", folder / "study.yaml", "--output", folder / output};
     out.insert(out.end(), more.begin(), more.end());
     return out;
   }

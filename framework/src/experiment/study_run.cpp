@@ -2,6 +2,7 @@
 #include "aslio/experiment/study_run.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <thread>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/writers.hpp"
@@ -24,10 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kLook = std::chrono::milliseconds(5);  // between looks at the children
-constexpr double kGrace = 10;                         // for children to end after Ctrl-C [s]
-constexpr double kSimulationLimit = 86400;            // [s]
-constexpr int kInterruptedExit = 130;                 // of a child that has met Ctrl-C itself
+constexpr int kLook = 5;                    // between looks at the children [ms]
+constexpr double kGrace = 10;               // for children to end after Ctrl-C [s]
+constexpr double kSimulationLimit = 86400;  // [s]
+constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C itself
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -97,7 +97,7 @@ class Schedule {
       while (!result_.interrupted && active_.size() < static_cast<std::size_t>(options_.jobs) && start_next()) {
       }
       if (active_.empty()) break;
-      std::this_thread::sleep_for(kLook);
+      ::poll(nullptr, 0, kLook);  // or until a signal comes
     }
     write_tables();
     return std::move(result_);
@@ -184,12 +184,12 @@ class Schedule {
   void start_simulation(std::size_t d) {
     const StudyData& data = study_.data[d];
     const fs::path folder = store_.begin(data), log = folder / "log.txt";
-    const unsigned threads = std::max(1U, std::thread::hardware_concurrency() / static_cast<unsigned>(options_.jobs));
+    const long share = ::sysconf(_SC_NPROCESSORS_ONLN) / options_.jobs;
     std::vector<std::string> arguments = {"simulate",  data.scene.string(),
                                           "--output",  folder.string(),
                                           "--seed",    fmt::to_string(*data.seed),
                                           "--scale",   fmt::to_string(data.scale),
-                                          "--threads", fmt::to_string(std::min(threads, 256U)),
+                                          "--threads", fmt::to_string(std::clamp(share, 1L, 256L)),
                                           "--quiet"};
     for (const std::string& assignment : data.set) arguments.insert(arguments.end(), {"--set", assignment});
     data_[d].state = DataState::simulating;
