@@ -1,23 +1,8 @@
 #include "overlaps/cell_histogram.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 
 namespace aslio::plugins {
-
-namespace {
-constexpr double kCellRange = 1 << 20;  // what a store can hold per axis
-}
-
-bool CellHistogram::cell_of(const Vec3& p, double inverse_voxel, Cell& out) {
-  const double x = std::floor(p.x() * inverse_voxel), y = std::floor(p.y() * inverse_voxel),
-               z = std::floor(p.z() * inverse_voxel);
-  const auto fits = [](double c) { return c >= -kCellRange && c < kCellRange; };  // false for NaN
-  if (!fits(x) || !fits(y) || !fits(z)) return false;
-  out = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
-  return true;
-}
 
 void CellHistogram::reset(std::size_t points) {
   cells_.clear();

@@ -1,6 +1,7 @@
 #pragma once
 /// The distinct cells of a frame and how many of its points lie in each.
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,7 +14,15 @@ namespace aslio::plugins {
 class CellHistogram {
  public:
   /// floor(p / voxel); false for a point that is not finite or whose cell is not within +-2^20.
-  static bool cell_of(const Vec3& p, double inverse_voxel, Cell& out);
+  static bool cell_of(const Vec3& p, double inverse_voxel, Cell& out) {
+    constexpr double limit = 1 << 20;  // what a store can hold per axis
+    const double x = std::floor(p.x() * inverse_voxel), y = std::floor(p.y() * inverse_voxel),
+                 z = std::floor(p.z() * inverse_voxel);
+    const auto fits = [](double c) { return c >= -limit && c < limit; };  // false for NaN
+    if (!fits(x) || !fits(y) || !fits(z)) return false;
+    out = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
+    return true;
+  }
 
   /// Empties it and makes room for `points` points.
   void reset(std::size_t points);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "aslio/config/binder.hpp"
 #include "overlaps/voxel_overlap.hpp"
 
 namespace aslio::plugins {
@@ -10,18 +9,13 @@ namespace aslio::plugins {
 class SoftVoxel final : public VoxelOverlap {
  public:
   enum class Beta : std::uint8_t { linear, geometric, list };
-  struct Params {
-    double voxel = 0.1;
+  struct Params : VoxelOverlap::Params {
     std::optional<double> layers;
     std::optional<double> margin_m;
     LayerMetric metric = LayerMetric::chebyshev;
     Beta beta = Beta::linear;
     double gamma = 0.5;
     std::vector<double> beta_list;
-    double delay = 0.1;
-    std::int64_t max_points = 5000;
-    std::int64_t min_points = 50;
-    config::Nested<OccupancyStore> store{"flat_hash"};
   };
   static constexpr int kDefaultLayers = 3;  ///< d of AS-LIO
   static void describe(config::Binder& b, Params& p);

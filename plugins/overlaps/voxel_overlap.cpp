@@ -21,39 +21,77 @@ constexpr double kTrimStep = 0.1;
 
 }  // namespace
 
-VoxelOverlap::VoxelOverlap(Settings settings, std::unique_ptr<OccupancyStore> occupied,
-                           std::unique_ptr<OccupancyStore> due)
-    : settings_(std::move(settings)),
-      inverse_voxel_(1.0 / settings_.voxel),
-      occupied_(std::move(occupied)),
-      due_(std::move(due)) {}
+void VoxelOverlap::describe(config::Binder& b, Params& p) {
+  b.real("voxel", p.voxel, "m", {.min = 0.001, .max = 100.0}, "edge of a voxel");
+  b.choice(
+      "points", p.points, {{"latest", Points::latest}, {"window", Points::window}},
+      "what is scored: the points since the last update, or all of the last frame_length, most of which are known");
+  b.real("frame_length", p.frame_length, "s", {.min = 0.001, .max = 10.0}, "with 'points: window': its length");
+  b.real("delay", p.delay, "s", {.min = 0.0, .max = 100.0},
+         "age of the points that count as known, against the middle of the frame (0: all, which makes the score of "
+         "short frames rise)");
+  b.integer("max_points", p.max_points, "", {.min = 0}, "points of a frame that are scored, spread evenly (0: all)");
+  b.integer("min_points", p.min_points, "", {.min = 1}, "below this many points the score is undefined");
+  b.stage("store", p.store, "what holds the occupied voxels");
+}
 
-void VoxelOverlap::count_cells(std::span<const WorldPoint> points) {
-  const std::size_t n = points.size();
-  const std::size_t taken = settings_.max_points == 0 ? n : std::min(n, settings_.max_points);
+VoxelOverlap::VoxelOverlap(const Params& params, LayerMetric metric, std::vector<double> beta,
+                           const BuildContext& context)
+    : inverse_voxel_(1.0 / params.voxel),
+      metric_(metric),
+      beta_(std::move(beta)),
+      delay_(to_ns(params.delay)),
+      frame_length_(params.points == Points::window ? to_ns(params.frame_length) : 0),
+      max_points_(static_cast<std::size_t>(params.max_points)),
+      min_points_(static_cast<std::size_t>(params.min_points)),
+      order_seed_(context.order_seed),
+      occupied_(params.store.make(context)),
+      due_(params.store.make(context)) {}
+
+void VoxelOverlap::count_cells(std::span<const WorldPoint> points, TimeNs t) {
+  older_.clear();
+  for (const KnownPoint& known : known_) {
+    if (known.t > t - frame_length_) older_.push_back(known.cell);
+  }
+  const std::size_t n = older_.size() + points.size();
+  const std::size_t taken = max_points_ == 0 ? n : std::min(n, max_points_);
   histogram_.reset(taken);
   for (std::size_t i = 0; i < taken; ++i) {
     // One point of each of `taken` equal runs. Which one varies: a fixed stride would fall into step with the scan
     // lines, which interleave (a stride of 6 on a six-line sensor sees one line).
     const std::size_t begin = i * n / taken, length = (i + 1) * n / taken - begin;
-    const std::size_t index = length == 1 ? begin : begin + mix(settings_.order_seed + i) % length;
+    const std::size_t index = length == 1 ? begin : begin + mix(order_seed_ + i) % length;
     Cell cell;
-    if (CellHistogram::cell_of(points[index].p_W, inverse_voxel_, cell)) histogram_.add(cell);
+    if (index < older_.size()) {
+      histogram_.add(older_[index]);
+    } else if (CellHistogram::cell_of(points[index - older_.size()].p_W, inverse_voxel_, cell)) {
+      histogram_.add(cell);
+    }
   }
 }
 
-std::size_t VoxelOverlap::frames_due(TimeNs t) const {
-  const auto later = std::find_if(waiting_.begin(), waiting_.end(), [t](const Frame& f) { return f.due > t; });
-  return static_cast<std::size_t>(later - waiting_.begin());
+void VoxelOverlap::remember(std::span<const WorldPoint> points, TimeNs t) {
+  if (frame_length_ == 0) return;
+  std::erase_if(known_, [&](const KnownPoint& known) { return known.t <= t - frame_length_; });
+  for (const WorldPoint& point : points) {
+    Cell cell;
+    if (CellHistogram::cell_of(point.p_W, inverse_voxel_, cell)) known_.push_back({point.t, cell});
+  }
 }
 
-void VoxelOverlap::gather_due(std::size_t frames) {
-  const std::uint64_t end = merged_ + frames;
+TimeNs VoxelOverlap::horizon(TimeNs t) const {
+  // Half of what no frame should exceed, where updates were not merged.
+  return t - delay_ - std::min((t - extended_) / 2, delay_ / 2);
+}
+
+void VoxelOverlap::gather_due(std::size_t slices) {
+  const std::uint64_t end = merged_ + slices;
   if (due_begin_ != merged_ || due_end_ > end) {
     due_->clear();
     due_begin_ = due_end_ = merged_;
   }
-  for (; due_end_ < end; ++due_end_) due_->insert(waiting_[static_cast<std::size_t>(due_end_ - merged_)].cells);
+  due_->insert(waiting_.cells(static_cast<std::size_t>(due_end_ - merged_), slices));
+  due_end_ = end;
 }
 
 void VoxelOverlap::find_layers() {
@@ -65,7 +103,7 @@ void VoxelOverlap::find_layers() {
     unseen_index_.reserve(2 * cells.size());
   }
   layers_.resize(cells.size());
-  occupied_->layers(cells, depth(), settings_.metric, layers_);
+  occupied_->layers(cells, depth(), metric_, layers_);
   if (due_->size() == 0) return;
   unseen_.clear();
   unseen_index_.clear();
@@ -75,49 +113,47 @@ void VoxelOverlap::find_layers() {
     unseen_index_.push_back(i);
   }
   due_layers_.resize(unseen_.size());
-  due_->layers(unseen_, depth(), settings_.metric, due_layers_);
+  due_->layers(unseen_, depth(), metric_, due_layers_);
   for (std::size_t j = 0; j < unseen_.size(); ++j) {
     layers_[unseen_index_[j]] = std::min(layers_[unseen_index_[j]], due_layers_[j]);
   }
 }
 
 OverlapScore VoxelOverlap::evaluate(std::span<const WorldPoint> points, TimeNs t) {
-  gather_due(frames_due(t));
+  gather_due(waiting_.ended(horizon(t)));
   OverlapScore score;
-  count_cells(points);
+  count_cells(points, t);
   for (const std::uint32_t count : histogram_.counts()) score.points += count;
   if (occupied_->size() + due_->size() == 0) return score;
   find_layers();
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     if (layers_[i] <= depth()) score.layers[layers_[i]] += histogram_.counts()[i];
   }
-  if (score.points == 0 || score.points < settings_.min_points) return score;
+  if (score.points == 0 || score.points < min_points_) return score;
   double sum = 0;
-  for (std::size_t i = 0; i < settings_.beta.size(); ++i) sum += settings_.beta[i] * score.layers[i];
+  for (std::size_t i = 0; i < beta_.size(); ++i) sum += beta_[i] * score.layers[i];
   score.value = sum / score.points;
   return score;
 }
 
+void VoxelOverlap::advance(TimeNs t) {
+  const std::size_t slices = waiting_.ended(horizon(t));
+  occupied_->insert(waiting_.cells(0, slices));
+  waiting_.drop(slices);
+  merged_ += slices;
+}
+
 void VoxelOverlap::extend(std::span<const WorldPoint> points, TimeNs t) {
-  Frame frame{t + settings_.delay, {}};
-  if (!spare_.empty()) {
-    frame.cells = std::move(spare_.back());
-    spare_.pop_back();
-  }
-  frame.cells.clear();
+  remember(points, t);
+  TimeNs time = std::min(extended_, t);
   for (const WorldPoint& point : points) {
+    time = std::clamp(point.t, time, t);
     Cell cell;
-    if (!CellHistogram::cell_of(point.p_W, inverse_voxel_, cell)) continue;
-    // A store takes repeated cells; only runs of the same are worth leaving out.
-    if (frame.cells.empty() || frame.cells.back() != cell) frame.cells.push_back(cell);
+    if (CellHistogram::cell_of(point.p_W, inverse_voxel_, cell)) waiting_.add(cell, time);
   }
-  waiting_.push_back(std::move(frame));
-  for (std::size_t frames = frames_due(t); frames > 0; --frames) {
-    occupied_->insert(waiting_.front().cells);
-    spare_.push_back(std::move(waiting_.front().cells));
-    waiting_.pop_front();
-    ++merged_;
-  }
+  waiting_.close();
+  extended_ = t;
+  advance(t);
 }
 
 void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
@@ -135,9 +171,9 @@ void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
 }
 
 std::size_t VoxelOverlap::memory_bytes() const {
-  std::size_t bytes = sizeof(*this) + occupied_->memory_bytes() + due_->memory_bytes() + histogram_.memory_bytes();
-  for (const Frame& frame : waiting_) bytes += sizeof(frame) + frame.cells.capacity() * sizeof(Cell);
-  for (const auto& cells : spare_) bytes += cells.capacity() * sizeof(Cell);
+  std::size_t bytes = sizeof(*this) + occupied_->memory_bytes() + due_->memory_bytes() + waiting_.memory_bytes() +
+                      histogram_.memory_bytes();
+  bytes += known_.capacity() * sizeof(KnownPoint) + older_.capacity() * sizeof(Cell);
   bytes += layers_.capacity() + due_layers_.capacity() + unseen_.capacity() * sizeof(Cell);
   return bytes + unseen_index_.capacity() * sizeof(std::size_t);
 }

@@ -1,61 +1,75 @@
 #pragma once
 
-#include <deque>
 #include <memory>
 
+#include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/overlap.hpp"
 #include "overlaps/cell_histogram.hpp"
+#include "overlaps/slice_queue.hpp"
 
 namespace aslio::plugins {
 
 /// What hard_voxel and soft_voxel share: O = sum_i beta_i |Q_i| / |f|, where Q_i are the points of the frame whose
 /// cell is i cells from the nearest occupied one (docs/equations.md SOD-1 to SOD-3; AS-LIO (1)-(6)).
 ///
-/// Delay: a frame that became known at t counts from t + delay on. Frames wait in a queue; extend() moves into the
-/// store those that are due at its own time, since no later evaluation can be earlier. evaluate() never moves any: it
-/// may be a look-ahead whose time the next window does not reach. Frames due only at its time are scored through a
-/// second, small store.
+/// Delay: a point of time s counts in the score of a frame whose middle is s + delay or later. Whole frames would make
+/// the age of the occupancy jump with the length of frames, and with it the score. Points wait in slices of 5 ms;
+/// advance() and extend() move into the store those that are due at their time, since no later evaluation is earlier.
+/// evaluate() never moves any: it may be a look-ahead whose time the next window does not reach. Slices due only at its
+/// time are scored through a second, small store.
 class VoxelOverlap : public OverlapMetric {
  public:
-  struct Settings {
-    double voxel = 0.1;  ///< [m]
-    LayerMetric metric = LayerMetric::chebyshev;
-    std::vector<double> beta{1.0};  ///< weight of layer 0, 1, .. ; beta[0] = 1
-    TimeNs delay = 0;
-    std::size_t max_points = 0;  ///< 0: all
-    std::size_t min_points = 0;
-    std::uint64_t order_seed = 0;
+  /// Which points a frame is made of.
+  enum class Points : std::uint8_t { latest, window };
+  struct Params {
+    double voxel = 0.1;
+    Points points = Points::latest;
+    double frame_length = 0.1;
+    double delay = 0.1;
+    std::int64_t max_points = 5000;
+    std::int64_t min_points = 50;
+    config::Nested<OccupancyStore> store{"block_hash"};
   };
+  static void describe(config::Binder& b, Params& p);
 
   OverlapScore evaluate(std::span<const WorldPoint> points, TimeNs t) override;
+  void advance(TimeNs t) override;
   void extend(std::span<const WorldPoint> points, TimeNs t) override;
   void trim(const Vec3& centre_W, double radius) override;
   std::size_t memory_bytes() const override;
 
  protected:
-  /// Two stores of the same type: the occupancy, and the frames due at an evaluation only.
-  VoxelOverlap(Settings settings, std::unique_ptr<OccupancyStore> occupied, std::unique_ptr<OccupancyStore> due);
+  /// beta: weight of layer 0, 1, .. ; beta[0] = 1.
+  VoxelOverlap(const Params& params, LayerMetric metric, std::vector<double> beta, const BuildContext& context);
 
  private:
-  struct Frame {
-    TimeNs due = 0;
-    std::vector<Cell> cells;
+  struct KnownPoint {
+    TimeNs t = 0;
+    Cell cell;
   };
-  int depth() const { return static_cast<int>(settings_.beta.size()) - 1; }
-  void count_cells(std::span<const WorldPoint> points);
-  std::size_t frames_due(TimeNs t) const;
-  void gather_due(std::size_t frames);
+  int depth() const { return static_cast<int>(beta_.size()) - 1; }
+  void count_cells(std::span<const WorldPoint> points, TimeNs t);
+  void remember(std::span<const WorldPoint> points, TimeNs t);
+  TimeNs horizon(TimeNs t) const;
+  void gather_due(std::size_t slices);
   void find_layers();
 
-  Settings settings_;
   double inverse_voxel_;
+  LayerMetric metric_;
+  std::vector<double> beta_;
+  TimeNs delay_;
+  TimeNs extended_ = 0;  // time of the last extend()
+  TimeNs frame_length_;  // 0: a frame is its latest points
+  std::size_t max_points_, min_points_;
+  std::uint64_t order_seed_;
   std::unique_ptr<OccupancyStore> occupied_;
-  std::unique_ptr<OccupancyStore> due_;
-  std::deque<Frame> waiting_;                  // in order of time
-  std::vector<std::vector<Cell>> spare_;       // memory of frames that have been merged
-  std::uint64_t merged_ = 0;                   // frames moved into `occupied_` so far
-  std::uint64_t due_begin_ = 0, due_end_ = 0;  // frames that `due_` holds, by count
+  std::unique_ptr<OccupancyStore> due_;  // of the same type; what is due at an evaluation only
+  SliceQueue waiting_;
+  std::uint64_t merged_ = 0;                   // slices moved into `occupied_` so far
+  std::uint64_t due_begin_ = 0, due_end_ = 0;  // slices that `due_` holds, by count
+  std::vector<KnownPoint> known_;              // of the last frame_length_
+  std::vector<Cell> older_;                    // those of an evaluation
   CellHistogram histogram_;
   std::vector<std::uint8_t> layers_, due_layers_;
   std::vector<Cell> unseen_;

@@ -52,6 +52,7 @@ class WindowSpy final : public WindowStrategy {
 class OverlapSpy final : public OverlapMetric {
  public:
   OverlapSpy(std::unique_ptr<OverlapMetric> inner, Observer& o) : inner_(std::move(inner)), observer_(o) {}
+  void advance(TimeNs t) override { inner_->advance(t); }
   OverlapScore evaluate(std::span<const WorldPoint> points, TimeNs t) override {
     const Call call(observer_, "evaluate");
     return inner_->evaluate(points, t);

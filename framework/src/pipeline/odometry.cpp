@@ -72,6 +72,7 @@ class Odometry::Loop {
     record.times = add(record.times, update.times);
     {  // After alignment, BEFORE merging: measured after the merge it would always be about 1.
       const CpuTimer timer(record.times.overlap);
+      overlaps_->advance(plan.end);
       record.overlap = overlaps_->evaluate(update.points(Tap::overlap), plan.end);
     }
     if (update.insert) {

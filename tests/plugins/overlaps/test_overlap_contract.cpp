@@ -102,6 +102,21 @@ TEST_CASE("every overlap metric: evaluating changes nothing, also when it looks 
   });
 }
 
+TEST_CASE("every overlap metric: announcing that time has advanced changes no score") {
+  for_every_metric([](auto make) {
+    const auto plain = make(), told = make();
+    for (int step = 0; step < 30; ++step) {
+      const auto frame = cloud(300, 1.0 + 0.2 * step, static_cast<std::uint64_t>(step));
+      const TimeNs t = step * kSecond / 50;
+      if (step % 3 != 0) told->evaluate(frame, t + kSecond / 30);
+      told->advance(t);
+      require_same(told->evaluate(frame, t), plain->evaluate(frame, t));
+      plain->extend(frame, t);
+      told->extend(frame, t);
+    }
+  });
+}
+
 TEST_CASE("every overlap metric: a frame scores 1 against itself once known, which is why it is scored before") {
   for_every_metric([](auto make) {
     const auto metric = make();

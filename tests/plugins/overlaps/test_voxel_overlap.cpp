@@ -127,6 +127,10 @@ TEST_CASE("weights: linear, geometric, listed; a margin in metres") {
   REQUIRE(SoftVoxel::depth(params) == 3);
   params.voxel = 0.05;
   REQUIRE(SoftVoxel::depth(params) == 6);
+  params.voxel = 0.2;  // 1.5 voxels
+  REQUIRE(SoftVoxel::depth(params) == 2);
+  params.voxel = 0.4;
+  REQUIRE(SoftVoxel::depth(params) == 1);
 }
 
 TEST_CASE("moving everything by whole voxels changes no score") {
@@ -151,21 +155,29 @@ TEST_CASE("moving everything by whole voxels changes no score") {
   }
 }
 
-TEST_CASE("a frame counts from t + delay on, not a nanosecond earlier") {
+TEST_CASE("a point counts once it is `delay` older than the middle of the frame, to 5 ms") {
   test::BuildEnvironment environment;
   auto params = plain<HardVoxel::Params>();
   params.delay = 0.1;
   HardVoxel hard(params, environment.context());
-  const auto old_frame = cloud(500, 1.0, 1);
-  auto new_frame = cloud(500, 1.0, 2);
-  for (auto& point : new_frame) point.p_W.y() += 10.0;
-  hard.extend(old_frame, 0);
-  REQUIRE(!hard.evaluate(old_frame, kSecond / 10 - 1).value);
-  REQUIRE(hard.evaluate(old_frame, kSecond / 10).value == 1.0);
-  hard.extend(new_frame, kSecond / 10);
-  REQUIRE(hard.evaluate(new_frame, kSecond / 5 - 1).value == 0.0);
-  REQUIRE(hard.evaluate(new_frame, kSecond / 5).value == 1.0);
-  REQUIRE(hard.evaluate(new_frame, kSecond / 5 - 1).value == 0.0);
+  std::vector<WorldPoint> frame;
+  for (int i = 1; i <= 1000; ++i) {
+    frame.push_back(at(i, 0, 0));
+    frame.back().t = i * kSecond / 10000;
+  }
+  const TimeNs end = kSecond / 10;
+  hard.extend(frame, end);
+  const auto score = [&](TimeNs t) { return hard.evaluate(frame, t).value.value_or(-1.0); };
+  const auto about = [](double got, double expected) { return got <= expected && got > expected - 0.0511; };
+  REQUIRE(score(end) == -1.0);                 // the occupancy of time 0
+  REQUIRE(about(score(end + 40000000), 0.2));  // the middle is 20 ms after the end
+  REQUIRE(about(score(end + kSecond / 10), 0.5));
+  REQUIRE(about(score(end + 40000000), 0.2));
+  // Updates that were not merged leave a frame that seems long: its middle is taken delay / 2 before its end.
+  REQUIRE(score(end + 3 * kSecond / 20 - 1) < 1.0);
+  REQUIRE(score(end + 3 * kSecond / 20) == 1.0);
+  hard.extend({}, 2 * end);
+  REQUIRE(score(2 * end) == 1.0);
 }
 
 TEST_CASE("shorter frames hide what is new from the score, unless it is delayed") {
@@ -184,7 +196,9 @@ TEST_CASE("shorter frames hide what is new from the score, unless it is delayed"
       for (int i = 0; i < 50 * step_ms; ++i) {
         const double t = 0.001 * (ms - step_ms * uniform());
         frame.push_back(at(2.0 * t + uniform(), 0.01, 0.01));
+        frame.back().t = to_ns(t);
       }
+      std::sort(frame.begin(), frame.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
       const TimeNs now = ms * (kSecond / 1000);
       if (ms > 1000) {
         sum += 1.0 - hard.evaluate(frame, now).value.value();
@@ -194,11 +208,64 @@ TEST_CASE("shorter frames hide what is new from the score, unless it is delayed"
     }
     return sum / scored;
   };
-  // At once: v * step / 2, which vanishes with the step. Delayed by 0.1 s: v * (0.1 s - step / 2).
+  // At once: v * step / 2, which vanishes with the step. Delayed: v * delay.
   REQUIRE(unknown(0.0, 100) == Approx(0.1).margin(0.03));
   REQUIRE(unknown(0.0, 10) < 0.03);
-  REQUIRE(unknown(0.1, 100) == Approx(0.1).margin(0.03));
-  REQUIRE(unknown(0.1, 10) == Approx(0.19).margin(0.03));
+  for (const int step_ms : {100, 70, 40, 10}) REQUIRE(unknown(0.1, step_ms) == Approx(0.2).margin(0.02));
+}
+
+TEST_CASE("metrics: the layer of a point three voxels along one, two or all axes") {
+  test::BuildEnvironment environment;
+  const auto layer = [&](LayerMetric metric, const WorldPoint& point) {
+    auto params = plain<SoftVoxel::Params>();
+    params.metric = metric;
+    params.layers = 7;
+    SoftVoxel soft(params, environment.context());
+    soft.extend(std::vector<WorldPoint>{at(0.1, 0.1, 0.1)}, 0);
+    const OverlapScore score = soft.evaluate(std::span(&point, 1), 1);
+    const auto found = std::find(score.layers.begin(), score.layers.end(), 1U) - score.layers.begin();
+    if (found < 8) REQUIRE(*score.value == Approx(1.0 - static_cast<double>(found) / 8.0).epsilon(1e-15));
+    return static_cast<int>(found);  // 8: beyond the margin
+  };
+  const WorldPoint one = at(0.85, 0.1, 0.1), two = at(0.85, -0.7, 0.1), three = at(0.85, -0.7, 0.85);
+  REQUIRE(layer(LayerMetric::chebyshev, one) == 3);
+  REQUIRE(layer(LayerMetric::chebyshev, two) == 3);
+  REQUIRE(layer(LayerMetric::chebyshev, three) == 3);
+  REQUIRE(layer(LayerMetric::manhattan, one) == 3);
+  REQUIRE(layer(LayerMetric::manhattan, two) == 6);
+  REQUIRE(layer(LayerMetric::manhattan, three) == 8);
+  REQUIRE(layer(LayerMetric::euclid_rounded, one) == 3);
+  REQUIRE(layer(LayerMetric::euclid_rounded, two) == 4);
+  REQUIRE(layer(LayerMetric::euclid_rounded, three) == 5);
+}
+
+TEST_CASE("points of the whole window: what is old is known, so that O = ((n - 2) + 2 O_new) / n") {
+  test::BuildEnvironment environment;
+  auto params = plain<HardVoxel::Params>();
+  HardVoxel latest(params, environment.context());
+  params.points = HardVoxel::Points::window;
+  params.frame_length = 0.1;
+  HardVoxel window(params, environment.context());
+  // n = 10: an update every 20 ms, a fifth of its points at a place seen before.
+  constexpr int kSteps = 30;
+  for (int step = 1; step <= kSteps; ++step) {
+    const TimeNs t = step * kSecond / 50;
+    std::vector<WorldPoint> frame;
+    for (int i = 0; i < 100; ++i) {
+      frame.push_back(i % 5 == 0 ? at(0.1, 0.1, 0.1) : at(1.0 * i, 2.0 * step, 0.1));
+      frame.back().t = t - kSecond / 50 + (i + 1) * kSecond / 5000;
+    }
+    if (step > 6) {
+      const OverlapScore fresh = latest.evaluate(frame, t), all = window.evaluate(frame, t);
+      REQUIRE(*fresh.value == Approx(0.2).epsilon(1e-12));
+      REQUIRE(all.points == 500);
+      REQUIRE(*all.value == Approx((8.0 + 2.0 * 0.2) / 10.0).epsilon(1e-12));
+      // Half a step later half of the oldest points have left.
+      REQUIRE(window.evaluate(frame, t + kSecond / 100).points == 450);
+    }
+    latest.extend(frame, t);
+    window.extend(frame, t);
+  }
 }
 
 TEST_CASE("the cap takes points evenly, whatever the scan lines") {

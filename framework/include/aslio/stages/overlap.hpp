@@ -9,8 +9,9 @@
 
 namespace aslio {
 
-/// Contract. evaluate() scores points in the world frame against the occupancy as it stood `delay` before `t`; it is
-/// called after alignment and BEFORE extend() of the same points (overlap measured after the merge is always ~1).
+/// Contract. evaluate() scores points in the world frame against the occupancy as it stood `delay` before the middle of
+/// their time, which is from the last extend() to `t`, so that the score does not depend on how much time that is. It
+/// is called after alignment and BEFORE extend() of the same points (overlap measured after the merge is always ~1).
 /// Undefined (no value) while that occupancy is empty or with fewer than the metric's minimum of points; non-finite
 /// points are not counted. Invariants: 0 <= O <= 1, sum(layers) <= points, and O = 1 iff every point is at layer 0.
 /// evaluate() does not change any later score. Not thread-safe. No allocation in evaluate() after warm-up.
@@ -19,7 +20,11 @@ class OverlapMetric : public Stage {
   static constexpr std::string_view family = "overlaps";
   /// Score of the points of a window that ends at `t`.
   virtual OverlapScore evaluate(std::span<const WorldPoint> points, TimeNs t) = 0;
-  /// The points become known at `t` (and count from `t + delay` on).
+  /// The caller promises that no later call has an earlier time than `t`, so that what waits for `t` may be merged for
+  /// good. Changes no score.
+  virtual void advance(TimeNs t) { (void)t; }
+  /// The points, in order of time, become known at `t`. Each counts from its own time + `delay` on, and not before `t`;
+  /// a time outside those of its frame is taken as the nearer end.
   virtual void extend(std::span<const WorldPoint> points, TimeNs t) = 0;
   /// Forget what lies farther than `radius` [m] from `centre_W`; amortised, may keep up to one coarse cell more.
   virtual void trim(const Vec3& centre_W, double radius) = 0;

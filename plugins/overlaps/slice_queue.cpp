@@ -1,0 +1,48 @@
+#include "overlaps/slice_queue.hpp"
+
+#include <algorithm>
+
+namespace aslio::plugins {
+
+void SliceQueue::add(const Cell& cell, TimeNs t) {
+  if (!open_ || t > begin_ + kLength) {
+    slices_.push_back({t, cells_.size()});
+    begin_ = t;
+    open_ = true;
+  }
+  slices_.back().t = t;
+  // A store takes repeated cells; only runs of the same are worth leaving out.
+  if (slices_.back().end_cell > begin_of(slices_.size() - dropped_ - 1) && cells_.back() == cell) return;
+  cells_.push_back(cell);
+  slices_.back().end_cell = cells_.size();
+}
+
+std::size_t SliceQueue::begin_of(std::size_t number) const {
+  const std::size_t i = dropped_ + number;
+  return i == 0 ? 0 : slices_[i - 1].end_cell;
+}
+
+std::size_t SliceQueue::ended(TimeNs t) const {
+  const auto first = slices_.begin() + static_cast<std::ptrdiff_t>(dropped_);
+  return static_cast<std::size_t>(std::find_if(first, slices_.end(), [t](const Slice& s) { return s.t > t; }) - first);
+}
+
+std::span<const Cell> SliceQueue::cells(std::size_t begin, std::size_t end) const {
+  return std::span(cells_).subspan(begin_of(begin), begin_of(end) - begin_of(begin));
+}
+
+void SliceQueue::drop(std::size_t slices) {
+  dropped_ += slices;
+  const std::size_t gone = begin_of(0);
+  if (2 * gone < cells_.size()) return;  // each cell is moved about once
+  cells_.erase(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(gone));
+  slices_.erase(slices_.begin(), slices_.begin() + static_cast<std::ptrdiff_t>(dropped_));
+  dropped_ = 0;
+  for (Slice& slice : slices_) slice.end_cell -= gone;
+}
+
+std::size_t SliceQueue::memory_bytes() const {
+  return cells_.capacity() * sizeof(Cell) + slices_.capacity() * sizeof(Slice);
+}
+
+}  // namespace aslio::plugins

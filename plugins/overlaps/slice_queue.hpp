@@ -1,0 +1,44 @@
+#pragma once
+/// Cells that wait until they count, in slices of time.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "aslio/stages/overlap.hpp"
+
+namespace aslio::plugins {
+
+/// In order of time; allocates only while what waits grows.
+class SliceQueue {
+ public:
+  /// Points of at most this much time come to count together.
+  static constexpr TimeNs kLength = 5 * kSecond / 1000;
+
+  /// `t` is not before that of the cell added before.
+  void add(const Cell& cell, TimeNs t);
+  /// The next cell begins a slice.
+  void close() { open_ = false; }
+  /// How many slices, from the oldest on, have ended by `t`.
+  std::size_t ended(TimeNs t) const;
+  /// The cells of slices [begin, end), counted from the oldest.
+  std::span<const Cell> cells(std::size_t begin, std::size_t end) const;
+  void drop(std::size_t slices);
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Slice {
+    TimeNs t = 0;              // of its last cell
+    std::size_t end_cell = 0;  // position in cells_
+  };
+  /// Position in cells_ where slice `number`, counted from the oldest, begins.
+  std::size_t begin_of(std::size_t number) const;
+
+  std::vector<Cell> cells_;
+  std::vector<Slice> slices_;
+  std::size_t dropped_ = 0;  // of slices_
+  TimeNs begin_ = 0;         // of the last slice
+  bool open_ = false;
+};
+
+}  // namespace aslio::plugins
