@@ -95,8 +95,12 @@ void KnownRoom::record_imu(std::uint64_t seed) {
   simulator::ImuSimulator imu(motion_, kRoomEpoch, setting_.imu, seed);
   calibration_ = imu.calibration();
   for (TimeNs t = 0; t <= kRoomEpoch + to_ns(motion_.duration());) {
-    const simulator::ImuSimulator::Output out = imu.next();
+    simulator::ImuSimulator::Output out = imu.next();
     t = out.sample.t;
+    Vec3& acc = out.sample.acc;
+    if (setting_.accelerometer_calibrated) {
+      acc = calibration_.acc_sensitivity.inverse() * (acc - out.acc_bias) + out.acc_bias;
+    }
     imu_.samples.push_back(out.sample);
     imu_.gyro_bias.push_back(out.gyro_bias);
     imu_.acc_bias.push_back(out.acc_bias);

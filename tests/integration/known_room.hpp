@@ -42,8 +42,9 @@ struct KnownRoomSetting {
   double sigma = 0.02;  ///< of the points, and what the filter takes it for [m]
   PointNoise noise = PointNoise::all_directions;
   TimeNs window = kSecond / 10;
-  int points = 400;  ///< per window
-  std::string map;   ///< "{type: ..}", filled with points of the walls; empty: TrueWalls
+  int points = 400;                       ///< per window
+  std::string map;                        ///< "{type: ..}", filled with points of the walls; empty: TrueWalls
+  bool accelerometer_calibrated = false;  ///< its scale factors and cross-axis terms are taken back
   double sigma_velocity = 0.05, sigma_gyro_bias = 1e-3, sigma_acc_bias = 0.2, sigma_tilt = 0.02;
 };
 
