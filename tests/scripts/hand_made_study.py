@@ -1,0 +1,66 @@
+"""Output folders of aslio experiment made by hand, for the tests of tools/analysis."""
+import contextlib
+import io
+import math
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/analysis"))
+
+import numpy as np
+
+
+def yaw(a):
+    return [0, 0, math.sin(a / 2), math.cos(a / 2)]
+
+
+def write_tum(path, times, positions, quaternions):
+    lines = [" ".join([f"{t:.9f}", *(f"{v:.12g}" for v in [*p, *q])]) for t, p, q in zip(times, positions, quaternions)]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n".join(lines) + "\n")
+
+
+def write_csv(path, columns):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lines = [",".join(columns), *(",".join(map(str, line)) for line in zip(*columns.values()))]
+    path.write_text("\n".join(lines) + "\n")
+
+
+class StudyCase(unittest.TestCase):
+    """A temporary folder, and studies in it."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+
+    def study(self, name, runs, planned=None, figures=("ate_m",), axes=()):
+        """`runs`: (sequence, seed, method, figures, status, values of the axes); the last two may be left out."""
+        text = ",".join(["data,sequence,seed,order_seed,method", *axes, "status,reason", *figures]) + "\n"
+        for sequence, seed, method, values, *more in runs:
+            status, at = more[0] if more else "ok", more[1] if len(more) > 1 else ()
+            values = values if isinstance(values, (tuple, list)) else (values,)
+            text += ",".join(map(str, [f"{sequence}_{seed}", sequence, seed, 0, method, *at, status, "",
+                                       *("" if v is None else v for v in values)])) + "\n"
+        (self.root / "results.csv").write_text(text)
+        (self.root / "table.md").write_text(
+            f"# {name}\n\n**Question.** Which?\n\n**Prediction.** This.\n\n**Rule.** The lower.\n\n"
+            f"{len(runs)} of {planned or len(runs)} runs. A cell is the median\n")
+        return self.root
+
+    def straight_truth(self, data, speed=1.0, seconds=10.0, text=""):
+        t = np.arange(0, seconds + 1e-9, 0.005)
+        folder = self.root / "data" / data
+        write_tum(folder / "truth.tum", t, np.outer(speed * t, [1, 0, 0]), [yaw(0)] * len(t))
+        (folder / "scene.yaml").write_text(text)
+        return t
+
+
+def printed(main, *words):
+    """(exit code, stdout, stderr) of a script's main."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main([str(word) for word in words])
+    return code, out.getvalue(), err.getvalue()

@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""What the rule of a study says to its runs, as Markdown.
+
+  tools/analysis/decide.py out/window_ablation --tuning out/tuning
+
+Takes the output folder of `aslio experiment`. The rules are those of the files in experiments/, found by the name of the
+study. Exit 0 when all of the rule is decided, 1 when part of it cannot be (runs or sequences are missing), 2 when the folder
+is no study. Needs numpy.
+"""
+import argparse
+import sys
+
+import garage
+import mechanism
+import rules
+from report import Report
+from study_folder import FolderError, Study
+
+RULES = {name: getattr(rules, name) for name in (
+    "quickstart", "table_1", "ideal_imu", "window_ablation", "yoked", "equal_points", "compute_saving", "dynamic_people",
+    "doorway_360", "echo", "history_ablation", "insertion_ablation", "map_ablation", "imu_rate_sweep", "seg_step",
+    "history_by_noise")}
+RULES.update(degenerate_garage=garage.degenerate_garage, why=mechanism.why)
+
+
+def arguments(words):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("study", help="output folder of aslio experiment")
+    parser.add_argument("--rule", choices=sorted(RULES), help="of this study, for one of another name")
+    parser.add_argument("--best-fixed", metavar="METHOD", help="window_ablation: the best fixed rate above 10 Hz")
+    parser.add_argument("--tuning", metavar="STUDY", help="window_ablation: folder of the same study over tuning data, which "
+                        "chooses the best fixed rate")
+    return parser.parse_args(words)
+
+
+def main(words):
+    options = arguments(words)
+    try:
+        options.tuning = Study(options.tuning) if options.tuning else None
+        report = Report(Study(options.study))
+        RULES.get(options.rule or report.study.name, rules.by_baseline)(report, options)
+    except FolderError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    sys.stdout.write(report.markdown())
+    return 0 if report.decided() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

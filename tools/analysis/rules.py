@@ -1,0 +1,299 @@
+"""The decision rules of the studies in experiments/ that results.csv alone can decide, one function per study.
+
+Each takes the Report and the options of decide.py, and repeats in code the `rule` that its study states in words.
+"""
+import math
+
+import pairs
+from report import at_least, number
+
+NINE = 9
+RATES = ("fixed_20", "fixed_50", "fixed_125", "fixed_20_history", "fixed_50_history", "fixed_125_history")
+
+
+def beats(report, method, other, needed, of, claim):
+    """The method has the lower median ATE on at least `needed` of `of` sequences."""
+    if not report.needs(method, other):
+        return
+    tally = report.medians_below(method, other)
+    report.claim(f"{claim}: {method} below {other} on {tally.won} of {tally.count()} (needs {needed} of {of})",
+                 at_least(tally.won, needed, of, tally.count()))
+
+
+def beats_pairs(report, method, other, needed=None, of=None):
+    """Most pairs, or at least `needed` of `of`."""
+    if not report.needs(method, other):
+        return
+    tally = pairs.Tally.of(report.study.pairs(method, other, "ate_m"))
+    if needed is None:
+        report.claim(f"{method} wins {tally.won} of {tally.count()} pairs against {other} (needs most)",
+                     2 * tally.won > tally.count() if tally.count() else None)
+    else:
+        report.claim(f"{method} wins {tally.won} of {tally.count()} pairs against {other} (needs {needed} of {of})",
+                     at_least(tally.won, needed, of, tally.count()))
+
+
+def no_divergence(report, method):
+    failed = report.study.failures(method)
+    report.claim(f"{method} diverges on no run: {len(failed)} of {len(report.study.of(method))} failed", not failed)
+
+
+def against_all(report, method):
+    report.comparison([(method, other) for other in report.study.methods if other != method])
+
+
+def quickstart(report, _):
+    report.comparison([("as_lio", "fixed_10")])
+    beats(report, "as_lio", "fixed_10", 1, 1, "lower median")
+
+
+def table_1(report, _):
+    report.medians(["fixed_10", "as_lio", "as_lio_125"])
+    report.comparison([("as_lio", "fixed_10"), ("as_lio_125", "fixed_10"), ("as_lio", "as_lio_125")])
+    for metric in ("ate_deg", "rpe", "end_to_end_m"):
+        report.comparison([("as_lio", "fixed_10")], metric)
+    beats(report, "as_lio", "fixed_10", 8, NINE, "better than the fixed window")
+    no_divergence(report, "as_lio")
+
+
+def ideal_imu(report, _):
+    fixed = [method for method in report.study.methods if method.startswith("fixed_")]
+    report.medians([*fixed, "as_lio"])
+    lines, harmless = [], []
+    for sequence in report.study.sequences:
+        best = min((report.median(method, sequence) for method in fixed), default=math.inf)
+        ours = report.median("as_lio", sequence)
+        if ours is None:
+            continue
+        # Where nothing else succeeds, nothing is lost.
+        share = ours / best if not math.isinf(best) else math.inf if math.isinf(ours) else 0.0
+        lines.append([sequence, number(share, 3)])
+        harmless.append(share <= 1.1 or (math.isinf(best) and math.isinf(ours)))
+    report.text("as_lio over the best fixed rate of each sequence:")
+    report.table(["sequence", "ratio"], lines)
+    outcome = False if not all(harmless) else True if len(harmless) >= NINE else None
+    report.claim(f"at most 10 % above every fixed rate on {sum(harmless)} of {len(harmless)} sequences (needs {NINE})", outcome)
+
+
+def best_fixed(study, candidates=RATES):
+    """The fixed rate with the smallest geometric mean of its median ATE over the sequences, and all those means."""
+    means = {}
+    for method in candidates:
+        medians = [pairs.median(study.values(method, sequence, "ate_m")) for sequence in study.sequences]
+        if method in study.methods and None not in medians:
+            means[method] = math.exp(sum(math.log(m) if m > 0 else -math.inf for m in medians) / len(medians))
+    return (min(means, key=means.get) if means else None), means
+
+
+def chosen_rate(report, options):
+    if options.best_fixed:
+        report.text(f"Best fixed rate: `{options.best_fixed}`, as chosen by the caller.")
+        return options.best_fixed
+    source = options.tuning or report.study
+    name, means = best_fixed(source)
+    if name is None:
+        report.text("No run of a fixed rate above 10 Hz.")
+        return "fixed_20"
+    figures = ", ".join(f"{method} {number(mean)}" for method, mean in means.items())
+    where = f"on the tuning data (seeds {', '.join(source.seeds())})" if options.tuning else \
+        "**on these very data, which favours it: name --tuning or --best-fixed**"
+    report.text(f"Best fixed rate: `{name}`, chosen {where}; geometric mean of median ATE: {figures}.")
+    return name
+
+
+def window_ablation(report, options):
+    best = chosen_rate(report, options)
+    report.medians(report.study.methods)
+    report.comparison([(method, "fixed_10") for method in report.study.methods if method != "fixed_10"])
+    report.comparison([("as_lio", other) for other in dict.fromkeys(
+        [best, "motion_rate", "imu_rate", "sod_hard", "lookahead", "overlap_alone", "no_history", "overlapping"])])
+    beats(report, best, "fixed_10", 6, NINE, "rate pays")
+    beats(report, "as_lio", best, 6, NINE, "adapting pays")
+    beats(report, "as_lio", "motion_rate", 6, NINE, "overlap pays")
+    no_divergence(report, "as_lio")
+
+
+def yoked(report, _):
+    report.medians(report.study.methods)
+    report.medians(report.study.methods, "updates")
+    against_all(report, "as_lio")
+    if "replayed" in report.study.methods:
+        same = report.study.pairs("as_lio", "replayed", "ate_m")
+        report.claim(f"check: the replayed schedule gives the same ATE in {sum(a == b for a, b in same)} of {len(same)} pairs",
+                     all(a == b for a, b in same) if same else None)
+    for control in ("shifted", "shuffled"):
+        beats(report, "as_lio", control, 6, NINE, "adaptivity helps")
+        beats_pairs(report, "as_lio", control)
+
+
+def equal_points(report, _):
+    report.medians(report.study.methods)
+    report.comparison([("fixed_50_fewer", "fixed_10"), ("fixed_50_history", "fixed_50_fewer"), ("as_lio", "fixed_10"),
+                       ("as_lio", "fixed_50_fewer")])
+    beats(report, "fixed_50_fewer", "fixed_10", 6, NINE, "the rate pays at equal points")
+    if report.needs("fixed_50_history", "fixed_50_fewer"):
+        lower = report.medians_below("fixed_50_history", "fixed_50_fewer", factor=0.9)
+        kept = lower.count() - lower.won
+        report.claim(f"more points lower it by no more than 10 % on {kept} of {lower.count()} (needs 6 of {NINE})",
+                     at_least(kept, 6, NINE, lower.count()))
+
+
+def compute_saving(report, _):
+    for metric in ("ate_m", "cpu_s_per_s", "updates"):
+        report.medians(report.study.methods, metric)
+    lines, saved = [], 0
+    for sequence in report.study.sequences:
+        ours, cost = (report.median("as_lio", sequence, metric) for metric in ("ate_m", "cpu_s_per_s"))
+        equal = [method for method in report.study.methods if method != "as_lio"
+                 and (report.median(method, sequence) or math.inf) <= 1.1 * (ours or 0)
+                 and not math.isinf(report.median(method, sequence) or math.inf)]
+        cheaper = [method for method in equal if report.median(method, sequence, "cpu_s_per_s") < cost]
+        wins = ours is not None and not math.isinf(ours) and not cheaper
+        saved += wins
+        lines.append([sequence, ", ".join(equal) or "none", ", ".join(cheaper) or "none", "yes" if wins else "no"])
+    report.text("Methods with at most 1.1 times the median ATE of as_lio:")
+    report.table(["sequence", "as accurate", "and cheaper", "as_lio saves"], lines)
+    report.claim(f"as_lio saves on {saved} of {len(lines)} sequences (needs 6 of {NINE})", at_least(saved, 6, NINE, len(lines)))
+
+
+def dynamic_people(report, _):
+    report.medians(report.study.methods)
+    report.medians(["as_lio"], "updates")
+    report.comparison([("as_lio", "no_history"), ("as_lio", "fixed_10")])
+    base = "indoor_1_people_"
+    if report.needs("as_lio", "no_history"):
+        crowded = [base + count for count in ("10", "20") if base + count in report.study.sequences]
+        tally = report.medians_below("as_lio", "no_history", sequences=crowded) if crowded else pairs.Tally()
+        report.claim(f"history helps with 10 and with 20 people: on {tally.won} of {tally.count()} (needs 2 of 2)",
+                     at_least(tally.won, 2, 2, tally.count()))
+    few, many = report.median("as_lio", base + "0", "updates"), report.median("as_lio", base + "20", "updates")
+    if few and many and not math.isinf(few + many):
+        report.claim(f"people disturb the overlap: {few:g} updates with none, {many:g} with 20 (needs a change above 10 %)",
+                     abs(many / few - 1) > 0.1)
+    else:
+        report.claim("people disturb the overlap: no updates to compare", None)
+
+
+def doorway_360(report, _):
+    against_all(report, "as_lio")
+    beats(report, "as_lio", "fixed_10", 1, 1, "lower median")
+    beats_pairs(report, "as_lio", "fixed_10", 8, 10)
+
+
+def echo(report, _):
+    report.medians(report.study.methods)
+    report.comparison([("as_lio", "no_echo"), ("ramp", "no_echo"), ("ramp", "as_lio")])
+    beats(report, "as_lio", "no_echo", 3, 5, "the echo serves")
+    beats_pairs(report, "as_lio", "no_echo")
+
+
+def no_other_below(report, default, others, factor, needed, of, claim):
+    """No other method has a median below `factor` times that of the default on `needed` of `of` sequences."""
+    for other in others:
+        if not report.needs(default, other):
+            continue
+        tally = report.medians_below(other, default, factor=factor)
+        below = at_least(tally.won, needed, of, tally.count())
+        report.claim(f"{claim}: {other} is lower{'' if factor == 1 else f' by over {100 * (1 - factor):.0f} %'} than {default} "
+                     f"on {tally.won} of {tally.count()} (must not on {needed} of {of})", None if below is None else not below)
+
+
+def history_ablation(report, _):
+    report.medians(report.study.methods)
+    against_all(report, "balanced")
+    others = [method for method in report.study.methods if method != "balanced"]
+    no_other_below(report, "balanced", others, 1, 6, NINE, "balanced is the default")
+    if report.needs("literal", "balanced"):
+        tally = report.medians_below("literal", "balanced", factor=1.1)
+        near = tally.won + tally.tied
+        report.claim(f"the paper's choice stands: literal within 10 % of balanced on {near} of {tally.count()} (needs 6 of {NINE})",
+                     at_least(near, 6, NINE, tally.count()))
+
+
+def insertion_ablation(report, _):
+    report.medians(report.study.methods)
+    points = [method for method in report.study.methods if method.startswith("points_")]
+    plain = [method for method in report.study.methods if method not in points]
+    for default, group in (("on_new", plain), ("points_on_new", points)):
+        others = [method for method in group if method != default]
+        report.comparison([(other, default) for other in others])
+        no_other_below(report, default, others, 0.9, 2, 3, "on_new stands")
+
+
+def map_ablation(report, _):
+    for metric in ("ate_m", "cpu_s_per_s", "peak_rss_mb"):
+        report.medians(report.study.methods, metric)
+    maps = [method[len("as_lio_"):] for method in report.study.methods if method.startswith("as_lio_")]
+    report.comparison([(f"as_lio_{name}", f"fixed_10_{name}") for name in maps])
+    for name in maps:
+        beats(report, f"as_lio_{name}", f"fixed_10_{name}", 2, 3, "the gain is the window's")
+    best = [min(maps, key=lambda name: report.median(f"as_lio_{name}", sequence) or math.inf)
+            for sequence in report.study.sequences] if maps else []
+    report.text("Lowest median ATE of as_lio: " + ", ".join(
+        f"{name} on {best.count(name)} of {len(best)}" for name in maps) + ".")
+
+
+def imu_rate_sweep(report, _):
+    report.medians(report.study.methods)
+    if not report.needs("fixed_10", "as_lio"):
+        return
+    for place in ("indoor_1", "outdoor_4"):
+        ratios = []
+        for rate in (50, 100, 200, 400, 1000):
+            ours, fixed = (report.median(method, f"{place}_imu_{rate}") for method in ("as_lio", "fixed_10"))
+            known = ours and fixed and not math.isinf(ours)  # a fixed window that fails is infinitely worse
+            ratios.append(fixed / ours if known else None)
+        report.text(f"{place}, fixed_10 over as_lio at 50, 100, 200, 400, 1000 Hz: " + ", ".join(number(r, 3) for r in ratios) + ".")
+        both = ratios[0] is not None and ratios[-1] is not None
+        report.claim(f"{place}: the ratio is larger at 50 Hz than at 1000 Hz", ratios[0] > ratios[-1] if both else None)
+
+
+def by_axes(report, *axes):
+    """Method of each combination of values."""
+    return {tuple(float(v) if v.replace(".", "", 1).isdigit() else v for v in (run.axes.get(axis, "") for axis in axes)): run.method
+            for run in report.study.runs}
+
+
+def seg_step(report, _):
+    for metric in ("ate_m", "updates", "cpu_s_per_s"):
+        report.medians(report.study.methods, metric)
+    grid = by_axes(report, "window.frame_length", "window.seg_step")
+    default, paper = grid.get((0.1, 0.1)), grid.get((0.1, 0.04))
+    if default is None:
+        report.claim("no run at a frame of 0.1 s and a step of 0.1", None)
+        return
+    no_other_below(report, default, [method for method in grid.values() if method != default], 0.9, 2, 2, "the default is good")
+    if paper:
+        beats(report, paper, default, 2, 2, "the paper's 125 Hz pays")
+
+
+def history_by_noise(report, _):
+    report.medians(report.study.methods)
+    grid = by_axes(report, "history.rho", "estimator.noise")
+    best = {}
+    for sequence in report.study.sequences:
+        for noise in dict.fromkeys(noise for _, noise in grid):
+            medians = {rho: report.median(method, sequence) for (rho, n), method in grid.items() if n == noise}
+            known = {rho: m for rho, m in medians.items() if m is not None and not math.isinf(m)}
+            if known:
+                rho = min(known, key=known.get)
+                best[sequence, noise] = rho, known.get(0.0, math.inf), known[rho]
+    report.text("Best weight of the history:")
+    report.table(["sequence", "noise", "rho", "ATE there", "ATE without history"],
+                 [[sequence, noise, rho, number(m), number(none)] for (sequence, noise), (rho, none, m) in best.items()])
+    inflated, true = best.get(("indoor_1_empty", "fastlio")), best.get(("indoor_1_empty", "physical"))
+    known = inflated and true
+    report.claim("history repairs the noise model (empty: best rho above 0 under fastlio, no gain of 5 % under physical)",
+                 (inflated[0] > 0 and (true[0] == 0 or true[2] > 0.95 * true[1])) if known else None)
+    for noise in dict.fromkeys(noise for _, noise in grid):
+        empty, people = best.get(("indoor_1_empty", noise)), best.get(("indoor_1_people", noise))
+        report.claim(f"it is robustness, under {noise}: the best rho is higher with people",
+                     people[0] > empty[0] if empty and people else None)
+
+
+def by_baseline(report, _):
+    """A study without a rule of its own here: against its first method."""
+    report.medians(report.study.methods)
+    first = report.study.methods[0]
+    report.comparison([(method, first) for method in report.study.methods[1:]])
+    report.text("Its rule is not one that results.csv decides; the above are the figures.")

@@ -1,0 +1,144 @@
+"""What `aslio experiment` leaves in its output folder: the texts of the study, its runs, and the truth of its data.
+
+A run that neither ended ok nor degraded has no figures: where figures are compared it counts as infinite, worse than any
+other, and is never left out.
+"""
+import csv
+import json
+import math
+import pathlib
+import re
+
+GOOD = ("ok", "degraded")
+FIXED_COLUMNS = ("data", "sequence", "seed", "order_seed", "method")
+
+
+class FolderError(Exception):
+    """A folder or a file that is not what it has to be; the text names it."""
+
+
+def figure_of(text):
+    return float(text) if text else None
+
+
+class Run:
+    """A line of results.csv."""
+
+    def __init__(self, line, axes, figures, folder):
+        self.data, self.sequence, self.method = line["data"], line["sequence"], line["method"]
+        self.seed, self.order_seed = line["seed"], line["order_seed"]
+        self.status, self.reason = line["status"], line["reason"]
+        self.axes = {axis: line[axis] for axis in axes}
+        self.figures = {name: figure_of(line[name]) for name in figures}
+        name = self.method if self.order_seed in ("", "0") else f"{self.method}_order_{self.order_seed}"
+        self.folder = folder / "runs" / self.data / name
+
+    def good(self):
+        return self.status in GOOD
+
+    def value(self, metric):
+        """The figure; infinite for a failure; None where a good run has none."""
+        return self.figures.get(metric) if self.good() else math.inf
+
+    def pair_key(self):
+        """Runs of different methods with equal keys are over the same data."""
+        return self.data, self.order_seed
+
+
+def in_order(values):
+    return list(dict.fromkeys(values))
+
+
+class Study:
+    """Raises FolderError when the folder holds no study."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        self.runs = self._read_runs()
+        text = self._read("table.md")
+        self.name = self._found(r"^# (.+)$", text)
+        self.question = self._found(r"^\*\*Question\.\*\* (.+)$", text)
+        self.prediction = self._found(r"^\*\*Prediction\.\*\* (.+)$", text)
+        self.rule = self._found(r"^\*\*Rule\.\*\* (.+)$", text)
+        self.planned = int(self._found(r"^\d+ of (\d+) runs\.", text))
+        self.sequences = in_order(run.sequence for run in self.runs)
+        self.methods = in_order(run.method for run in self.runs)
+
+    def _read(self, name):
+        try:
+            return (self.folder / name).read_text(encoding="utf-8")
+        except OSError as error:
+            raise FolderError(f"{self.folder / name}: {error.strerror}: name an output folder of aslio experiment") from error
+
+    def _found(self, pattern, text):
+        match = re.search(pattern, text, re.MULTILINE)
+        if not match:
+            raise FolderError(f"{self.folder / 'table.md'}: is no table of aslio experiment: nothing matches {pattern}")
+        return match.group(1).strip()
+
+    def _read_runs(self):
+        lines = list(csv.reader(self._read("results.csv").splitlines()))
+        header = lines[0] if lines else []
+        if header[:5] != list(FIXED_COLUMNS) or "status" not in header:
+            raise FolderError(f"{self.folder / 'results.csv'}: does not begin with the columns {', '.join(FIXED_COLUMNS)}")
+        status = header.index("status")
+        axes, figures = header[5:status], header[status + 2:]
+        runs = [Run(dict(zip(header, line)), axes, figures, self.folder) for line in lines[1:]]
+        if not runs:
+            raise FolderError(f"{self.folder / 'results.csv'}: has no run")
+        return runs
+
+    def of(self, method, sequence=None):
+        return [run for run in self.runs if run.method == method and sequence in (None, run.sequence)]
+
+    def failures(self, method=None):
+        return [run for run in self.runs if not run.good() and method in (None, run.method)]
+
+    def seeds(self):
+        return in_order(run.seed for run in self.runs)
+
+    def values(self, method, sequence, metric):
+        """Of all replicates, failures infinite; runs that have no such figure are left out."""
+        found = [run.value(metric) for run in self.of(method, sequence)]
+        return [value for value in found if value is not None]
+
+    def pairs(self, method, other, metric, sequence=None):
+        """(value of method, value of other) over the same data and order seed."""
+        others = {run.pair_key(): run.value(metric) for run in self.of(other, sequence)}
+        found = [(run.value(metric), others.get(run.pair_key())) for run in self.of(method, sequence)]
+        return [pair for pair in found if None not in pair]
+
+    def data_file(self, data, name):
+        return self.folder / "data" / data / name
+
+    def scene_value(self, data, key):
+        """The number at `section.key` of the scene as it was simulated, or None."""
+        section, name = key.split(".")
+        try:
+            lines = self.data_file(data, "scene.yaml").read_text(encoding="utf-8").splitlines()
+        except OSError as error:
+            raise FolderError(f"{self.data_file(data, 'scene.yaml')}: {error.strerror}") from error
+        inside = False
+        for line in lines:
+            if not line.startswith(" "):
+                inside = line.startswith(section + ":")
+            elif inside and line.strip().startswith(name + ":"):
+                return float(line.split(":", 1)[1])
+        return None
+
+    def scale(self, data):
+        """The --scale of the simulation, from the first line of its scene."""
+        path = self.data_file(data, "scene.yaml")
+        with open(path, encoding="utf-8") as lines:
+            match = re.search(r"--scale ([0-9.e+-]+)", lines.readline())
+        if not match:
+            raise FolderError(f"{path}: its first line does not tell the scale")
+        return float(match.group(1))
+
+
+def summary_of(run):
+    """summary.json of a run; empty where there is none."""
+    try:
+        return json.loads((run.folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
