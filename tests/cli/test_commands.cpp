@@ -7,7 +7,7 @@ using Catch::Matchers::Contains;
 
 TEST_CASE("every command has help with an example") {
   for (const char* command :
-       {"run", "simulate", "list", "describe", "check", "diff", "inspect", "evaluate", "version"}) {
+       {"run", "simulate", "list", "describe", "check", "diff", "inspect", "evaluate", "overlap", "version"}) {
     const Ended ended = run_aslio({command, "--help"});
     INFO(command);
     CHECK(ended.code == 0);

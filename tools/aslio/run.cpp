@@ -7,13 +7,13 @@
 #include <memory>
 
 #include "aslio/core/errors.hpp"
-#include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "recording.hpp"
 #include "stages.hpp"
 
 namespace aslio::cli {
@@ -21,10 +21,10 @@ namespace aslio::cli {
 namespace {
 
 struct Arguments {
-  std::string pipeline, input, dataset, sensor, output, reference, save_map;
+  std::string pipeline, output, reference, save_map;
+  RecordingArguments recording;
   std::vector<std::string> overrides, plugins;
   int threads = 1;
-  double start = 0, duration = 0;
   std::uint64_t seed = 0;
   bool dense = false, quiet = false;
 };
@@ -83,41 +83,16 @@ std::string report(const experiment::Summary& s, const std::string& output) {
   return text;
 }
 
-void require_one_source(const Arguments& a) {
-  if (!a.input.empty() && !a.dataset.empty()) {
-    throw ConfigError("--input and --dataset exclude each other: a dataset file names its input; leave one out");
-  }
-  if (a.input.empty() && a.dataset.empty()) {
-    throw ConfigError("what to run over is missing: give --input and --sensor, or --dataset");
-  }
-  if (!a.input.empty() && a.sensor.empty()) {
-    throw ConfigError("--input needs --sensor, the sensor file that fits it (configs/sensors has some)");
-  }
-}
-
-/// What the dataset names, less what the command line names itself.
-void take_data(const Arguments& a, const CLI::App& app, experiment::RunOptions& options) {
-  require_one_source(a);
-  if (!a.dataset.empty()) {
-    const experiment::Dataset dataset = experiment::load_dataset(a.dataset);
-    options.dataset = dataset.file;
-    options.input = dataset.input;
-    options.sensor = dataset.sensor;
-    options.reference = dataset.reference;
-    options.section = dataset.section;
-  } else {
-    options.input = a.input;
-  }
-  if (!a.sensor.empty()) options.sensor = a.sensor;
-  if (!a.reference.empty()) options.reference = a.reference;
-  if (app.count("--start") > 0) options.section.start = a.start;
-  if (app.count("--duration") > 0) options.section.duration = a.duration;
-}
-
 experiment::RunOptions options_of(const Arguments& a, const Stages& stages, const CLI::App& app,
                                   const std::vector<std::string>& command_line) {
+  const Recording recording = find_recording(a.recording, app);
   experiment::RunOptions options;
-  take_data(a, app, options);
+  options.input = recording.input;
+  options.sensor = recording.sensor;
+  options.dataset = recording.dataset;
+  options.reference = recording.reference;
+  options.section = recording.section;
+  if (!a.reference.empty()) options.reference = a.reference;
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;
   options.output = a.output;
@@ -152,13 +127,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1)")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("--input", a.input, "ROS1 bag, or KITTI raw drive folder; goes with --sensor")
-      ->check(CLI::ExistingPath);
-  app.add_option("--dataset", a.dataset,
-                 "dataset file (schema: aslio/dataset/1) or a folder with dataset.yaml: names input, sensor, reference "
-                 "and section; other options override it")
-      ->check(CLI::ExistingPath);
-  app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->check(CLI::ExistingFile);
+  add_recording_options(app, a.recording);
   app.add_option("--output", a.output, "folder for the results; files of an earlier run are replaced")->required();
   app.add_option("--set", a.overrides, "key.path=value (YAML); changes the pipeline, may be repeated")
       ->type_name("KEY=VALUE")
@@ -166,8 +135,6 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--threads", a.threads, "threads; the results are the same for any number")
       ->check(whole_number(1, 256))
       ->capture_default_str();
-  app.add_option("--start", a.start, "seconds of data to skip")->check(seconds(false));
-  app.add_option("--duration", a.duration, "seconds of data to use")->check(seconds(true));
   app.add_option("--reference", a.reference, "reference trajectory (TUM) to measure the error against")
       ->check(CLI::ExistingFile);
   app.add_option("--save-map", a.save_map, "writes the points of all updates to this .ply or .pcd file");

@@ -1,0 +1,52 @@
+#include "recording.hpp"
+
+#include "aslio/core/errors.hpp"
+#include "aslio/experiment/dataset.hpp"
+#include "options.hpp"
+
+namespace aslio::cli {
+
+namespace {
+
+void require_one_source(const RecordingArguments& a) {
+  if (!a.input.empty() && !a.dataset.empty()) {
+    throw ConfigError("--input and --dataset exclude each other: a dataset file names its input; leave one out");
+  }
+  if (a.input.empty() && a.dataset.empty()) {
+    throw ConfigError("what to run over is missing: give --input and --sensor, or --dataset");
+  }
+  if (!a.input.empty() && a.sensor.empty()) {
+    throw ConfigError("--input needs --sensor, the sensor file that fits it (configs/sensors has some)");
+  }
+}
+
+}  // namespace
+
+void add_recording_options(CLI::App& app, RecordingArguments& a) {
+  app.add_option("--input", a.input, "ROS1 bag, or KITTI raw drive folder; goes with --sensor")
+      ->check(CLI::ExistingPath);
+  app.add_option("--dataset", a.dataset,
+                 "dataset file (schema: aslio/dataset/1) or a folder with dataset.yaml: names input, sensor, reference "
+                 "and section; other options override it")
+      ->check(CLI::ExistingPath);
+  app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->check(CLI::ExistingFile);
+  app.add_option("--start", a.start, "seconds of data to skip")->check(seconds(false));
+  app.add_option("--duration", a.duration, "seconds of data to use")->check(seconds(true));
+}
+
+Recording find_recording(const RecordingArguments& a, const CLI::App& app) {
+  require_one_source(a);
+  Recording recording;
+  if (!a.dataset.empty()) {
+    const experiment::Dataset dataset = experiment::load_dataset(a.dataset);
+    recording = {dataset.input, dataset.sensor, dataset.file, dataset.reference, dataset.section};
+  } else {
+    recording.input = a.input;
+  }
+  if (!a.sensor.empty()) recording.sensor = a.sensor;
+  if (app.count("--start") > 0) recording.section.start = a.start;
+  if (app.count("--duration") > 0) recording.section.duration = a.duration;
+  return recording;
+}
+
+}  // namespace aslio::cli
