@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Sections of docs/results.md from output folders of `aslio experiment`.
+
+  tools/analysis/results_table.py out/table_1 out/yoked --into docs/results.md
+
+Per study: question, the command that regenerates it, what its rule says, median (smallest to largest) over seeds, and all
+values by seed in a folded block. With --into, a section stands between marks of its own and replaces what stood there; a new
+one goes to the end. A run that failed is "x", and counts as worse than any figure. Needs numpy.
+"""
+import argparse
+import json
+import math
+import pathlib
+import re
+import sys
+
+import decide
+import pairs
+from report import Report, markdown_table
+from study_folder import FolderError, Study
+
+# name in results.csv: title, factor, digits after the point
+METRICS = {
+    "ate_m": ("ATE [m]", 1, 4),
+    "ate_deg": ("rotation [deg]", 1, 3),
+    "rpe": ("RPE [m per m]", 1, 4),
+    "end_to_end_m": ("end to end [cm]", 100, 1),
+    "updates": ("updates", 1, 0),
+    "rate_hz": ("median rate [Hz]", 1, 1),
+    "cpu_s_per_s": ("CPU [s per s]", 1, 4),
+    "peak_rss_mb": ("RSS [MB]", 1, 0),
+    "weak_share": ("weak share", 1, 3),
+    "coverage": ("coverage", 1, 3),
+}
+USUAL = "ate_m,ate_deg,rpe,end_to_end_m,updates,cpu_s_per_s"
+
+
+def text_of(value, metric):
+    _, factor, digits = METRICS[metric]
+    return "-" if value is None else "x" if math.isinf(value) else f"{factor * value:.{digits}f}"
+
+
+def spread(values, metric):
+    """Median (smallest to largest), and how many failed."""
+    good = [value for value in values if not math.isinf(value)]
+    text = text_of(pairs.median(values), metric)
+    if len(values) > 1 and good:
+        text += f" ({text_of(min(good), metric)} to {text_of(max(good), metric)})"
+    failed = len(values) - len(good)
+    return text + (f", {failed} of {len(values)} failed" if failed else "")
+
+
+def ranges(numbers):
+    """1-3,7 of 1 2 3 7."""
+    out = []
+    for n in sorted(numbers):
+        if out and n == out[-1][1] + 1:
+            out[-1][1] = n
+        else:
+            out.append([n, n])
+    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in out)
+
+
+def command(study):
+    words = ["aslio experiment", f"experiments/{study.name}.yaml", "--output", f"out/{study.name}"]
+    seeds = [int(seed) for seed in study.seeds() if seed]
+    scales = {study.scale(run.data) for run in study.runs if study.data_file(run.data, "scene.yaml").exists()}
+    if seeds:
+        words += ["--seeds", ranges(seeds)]
+    if scales - {1.0}:
+        words += ["--scale", ",".join(f"{scale:g}" for scale in sorted(scales))]
+    script = pathlib.Path(__file__).name
+    return f"```\n{' '.join(words)}\ntools/analysis/{script} out/{study.name}\n```"
+
+
+def revisions(study):
+    """Source revisions that the runs were made with."""
+    found = set()
+    for run in study.runs:
+        try:
+            manifest = json.loads((run.folder / "manifest.json").read_text(encoding="utf-8"))
+            found.add(manifest["build"]["revision"])
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+    return sorted(revision[:12] + ("-dirty" if revision.endswith("-dirty") else "") for revision in found)
+
+
+def verdict(study, options):
+    """The lines of the rule."""
+    report = Report(study)
+    rule = decide.RULES.get(study.name)
+    if rule is None:
+        return ""
+    rule(report, options)
+    return "\n".join(part for part in report.parts if part.startswith("- "))
+
+
+def summary(study, metrics):
+    """One sequence: a line per method and a column per metric. Several: a table per metric."""
+    if len(study.sequences) == 1:
+        sequence = study.sequences[0]
+        lines = [[method, *(spread(study.values(method, sequence, metric), metric) for metric in metrics)]
+                 for method in study.methods]
+        return markdown_table([sequence, *(METRICS[metric][0] for metric in metrics)], lines)
+    tables = []
+    for metric in metrics:
+        lines = [[method, *(spread(study.values(method, sequence, metric), metric) for sequence in study.sequences)]
+                 for method in study.methods]
+        tables.append(markdown_table([METRICS[metric][0], *study.sequences], lines))
+    return "\n\n".join(tables)
+
+
+def all_values(study, metrics):
+    seeds = study.seeds()
+    tables = []
+    for metric in metrics:
+        lines = []
+        for sequence in study.sequences:
+            for method in study.methods:
+                by_seed = {}
+                for run in study.of(method, sequence):
+                    by_seed.setdefault(run.seed, []).append(text_of(run.value(metric), metric))
+                lines.append([sequence, method, *(" ".join(by_seed.get(seed, ["-"])) for seed in seeds)])
+        tables.append(markdown_table([METRICS[metric][0], "method", *(f"seed {seed}" if seed else "run" for seed in seeds)], lines))
+    return "<details><summary>All values by seed</summary>\n\n" + "\n\n".join(tables) + "\n\n</details>"
+
+
+def section(study, metrics, options):
+    metrics = [metric for metric in metrics if any(run.figures.get(metric) is not None for run in study.runs)]
+    failures = study.failures()
+    told = "; ".join(f"{run.data}/{run.method}: {run.status}" + (f" ({run.reason})" if run.reason else "") for run in failures)
+    made = revisions(study)
+    extent = f"{len(study.runs)} runs" + (f" of {study.planned}" if len(study.runs) < study.planned else "")
+    extent += f", {len(failures)} failed" + (f": {told}" if told else "") + "."
+    extent += f" Revision {', '.join(made)}." if made else ""
+    parts = [f"## Study `{study.name}`", study.question, command(study), extent, verdict(study, options),
+             "Median (smallest to largest) over seeds:", summary(study, metrics), all_values(study, metrics)]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def placed(document, name, text):
+    """The document with the section of this study renewed, or added at the end."""
+    begin, end = f"<!-- study {name} -->", f"<!-- end of study {name} -->"
+    block = f"{begin}\n\n{text}\n{end}"
+    found = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
+    if found.search(document):
+        return found.sub(lambda _: block, document)
+    return document.rstrip("\n") + "\n\n" + block + "\n"
+
+
+def arguments(words):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("studies", nargs="+", help="output folders of aslio experiment")
+    parser.add_argument("--metrics", default=USUAL, help=f"of {', '.join(METRICS)}; default {USUAL}")
+    parser.add_argument("--into", metavar="FILE", help="document whose sections are renewed; without, they go to stdout")
+    parser.add_argument("--best-fixed", metavar="METHOD", help="as for decide.py")
+    parser.add_argument("--tuning", metavar="STUDY", help="as for decide.py")
+    options = parser.parse_args(words)
+    options.metrics = options.metrics.split(",")
+    unknown = [metric for metric in options.metrics if metric not in METRICS]
+    if unknown:
+        parser.error(f"--metrics: {', '.join(unknown)} is none of {', '.join(METRICS)}")
+    return options
+
+
+def main(words):
+    options = arguments(words)
+    try:
+        options.tuning = Study(options.tuning) if options.tuning else None
+        studies = [Study(folder) for folder in options.studies]
+        sections = [(study.name, section(study, options.metrics, options)) for study in studies]
+    except FolderError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    if not options.into:
+        sys.stdout.write("\n".join(text for _, text in sections))
+        return 0
+    path = pathlib.Path(options.into)
+    document = path.read_text(encoding="utf-8") if path.exists() else ""
+    for name, text in sections:
+        document = placed(document, name, text)
+    path.write_text(document, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
