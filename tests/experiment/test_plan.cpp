@@ -46,6 +46,15 @@ TEST_CASE("runs come by data, order seed and method, and know the runs they use"
             "shift: 5}"});
 }
 
+TEST_CASE("the folder of the kept truth stands for its placeholder in every value") {
+  const StudyFiles files;
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" +
+                                 method("oracle", "as_lio", "set: {window: {type: replay, file: '{data}/a.csv'}}"));
+  const auto runs = plan_runs(study, "program");
+  CHECK(overrides_of(study, runs, runs[0], "/out put/runs") ==
+        std::vector<std::string>{"window={type: replay, file: \"/out put/data/scene_a_2/a.csv\"}"});
+}
+
 TEST_CASE("a glob selects by data, method or both, with the runs that are used") {
   const StudyFiles files;
   const Study study = files.load(study_text());

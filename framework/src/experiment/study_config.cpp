@@ -79,7 +79,7 @@ void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
   b.text("pipeline", method.pipeline, "pipeline file; required");
   b.tree("set", method.set,
          "dotted paths with the values to set there; {run:NAME} in a text is the folder of that method's run over the "
-         "same data");
+         "same data, {data} the folder in the output where truth and overlap of simulated data stay");
   b.require(!method.name.empty(), "name", "is required");
   b.require(!method.pipeline.empty(), "pipeline", "is required: name a pipeline file");
   b.require(method.set.is_null() || method.set.is_map(), "set",

@@ -32,6 +32,15 @@ std::string escaped(const std::filesystem::path& path) {
   return out;
 }
 
+void replace_all(std::vector<std::string>& texts, const std::string& placeholder, const std::string& value) {
+  for (std::string& text : texts) {
+    for (std::size_t at = text.find(placeholder); at != std::string::npos;
+         at = text.find(placeholder, at + value.size())) {
+      text.replace(at, placeholder.size(), value);
+    }
+  }
+}
+
 bool matches(const std::string& glob, const std::string& text) { return ::fnmatch(glob.c_str(), text.c_str(), 0) == 0; }
 
 }  // namespace
@@ -56,16 +65,12 @@ std::vector<StudyRun> plan_runs(const Study& study, std::string_view program) {
 std::vector<std::string> overrides_of(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
                                       const std::filesystem::path& runs_folder) {
   std::vector<std::string> overrides = study.methods[run.method].set;
+  const std::string& data = study.data[run.data].name;
+  replace_all(overrides, "{data}", escaped(runs_folder.parent_path() / "data" / data));
   const auto& uses = study.methods[run.method].uses;
   for (std::size_t k = 0; k < uses.size(); ++k) {
-    const std::string placeholder = fmt::format("{{run:{}}}", uses[k].first);
-    const std::string folder = escaped(runs_folder / study.data[run.data].name / runs[run.uses[k]].folder);
-    for (std::string& text : overrides) {
-      for (std::size_t at = text.find(placeholder); at != std::string::npos;
-           at = text.find(placeholder, at + folder.size())) {
-        text.replace(at, placeholder.size(), folder);
-      }
-    }
+    replace_all(overrides, fmt::format("{{run:{}}}", uses[k].first),
+                escaped(runs_folder / data / runs[run.uses[k]].folder));
   }
   return overrides;
 }

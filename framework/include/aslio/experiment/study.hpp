@@ -76,7 +76,7 @@ struct StudyMethod {
   std::string name;  ///< with the suffixes of the axes
   std::string base;  ///< without
   std::filesystem::path pipeline;
-  std::vector<std::string> set;   ///< `key.path=value`; may hold {run:NAME}, the folder of another method's run
+  std::vector<std::string> set;   ///< `key.path=value`; may hold {run:NAME} and {data}, see overrides_of()
   std::vector<std::string> axes;  ///< value on each axis, as text
   /// Names in {run:NAME}, and the methods they mean, all of which stand before this one.
   std::vector<std::pair<std::string, std::size_t>> uses;
@@ -124,7 +124,8 @@ struct StudyRun {
 /// All runs, by data, order seed and method. `program` identifies the program with its plugins.
 std::vector<StudyRun> plan_runs(const Study& study, std::string_view program);
 
-/// Overrides of the run's pipeline with {run:NAME} replaced by folders below `runs_folder`.
+/// Overrides of the run's pipeline with {run:NAME} replaced by folders below `runs_folder`, and {data} by the folder
+/// beside it where truth and overlap of the run's simulated data stay.
 std::vector<std::string> overrides_of(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
                                       const std::filesystem::path& runs_folder);
 
