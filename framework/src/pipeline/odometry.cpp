@@ -41,6 +41,12 @@ class Odometry::Loop {
         estimator_(config.estimator.make(context)),
         probe_(stream_, *estimator_, *overlaps_, context.sensor),
         tracking_(config.max_speed, config.max_silence) {
+    if (insertion_->needs_nearest_points() && map_->content() == MapContent::surfaces) {
+      throw ConfigError(fmt::format(
+          "insertion: '{}' asks the map for nearest points, and map '{}' holds surfaces: choose another insertion "
+          "(on_new, on_exit, whole_window) or a map of points",
+          config.insertion.type(), config.map.type()));
+    }
     if (map_->content() == estimator_->map_content()) return;
     const bool surfaces = map_->content() == MapContent::surfaces;
     throw ConfigError(fmt::format(
@@ -68,6 +74,10 @@ class Odometry::Loop {
   void step(const WindowPlan& plan, UpdateRecord& record) {
     const Window window = stream_.cut(plan, ++sequence_);
     const HistorySelection past = histories_->select(window);
+    {
+      const CpuTimer timer(record.times.insert);
+      record.inserted = insertion_->begin(window, *map_);
+    }
     const Update& update = estimator_->update(window, past, {samplers_, *map_, *histories_});
     record.times = add(record.times, update.times);
     {  // After alignment, BEFORE merging: measured after the merge it would always be about 1.
@@ -78,7 +88,9 @@ class Odometry::Loop {
     if (update.insert) {
       const CpuTimer timer(record.times.insert);
       if (update.restart_map) map_->clear();
-      record.inserted = insertion_->apply(window, update, *map_);
+      const InsertCount inserted = insertion_->apply(window, update, *map_);
+      record.inserted.offered += inserted.offered;
+      record.inserted.inserted += inserted.inserted;
       overlaps_->extend(update.points(Tap::overlap), plan.end);
       map_->trim(update.state.p);
       overlaps_->trim(update.state.p, map_->radius());
@@ -95,6 +107,12 @@ class Odometry::Loop {
     report(window, past, update, record);
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,   record.overlap,
                  update.state, update.spectrum,           record.n_matches};
+  }
+
+  void finish() {
+    stream_.finish();
+    run_available();
+    insertion_->finish(*map_);
   }
 
   bool started() const { return initialisation_.has_value(); }
@@ -170,10 +188,7 @@ void Odometry::push(Measurement&& measurement) {
   loop_->run_available();
 }
 
-void Odometry::finish() {
-  loop_->stream_.finish();
-  loop_->run_available();
-}
+void Odometry::finish() { loop_->finish(); }
 
 const std::optional<Divergence>& Odometry::divergence() const { return loop_->tracking_.divergence(); }
 TrackingStatus Odometry::tracking() const { return loop_->tracking_.status(); }
