@@ -107,6 +107,17 @@ void Frame::deskew_matches(const WindowTrajectory& trajectory) {
 void Frame::sample_body(SamplerChain& samplers) {
   SampleBatch batch{raw_, body_, taps_};
   samplers.sample(Sampler::ActsOn::body, batch);
+  list_matches();
+}
+
+void Frame::match_all() {
+  for (TapMask& taps : taps_) {
+    if ((taps & mask(Tap::map)) != 0) taps = static_cast<TapMask>(taps | mask(Tap::match));
+  }
+  list_matches();
+}
+
+void Frame::list_matches() {
   match_body_.clear();
   match_range_.clear();
   match_raw_.clear();
@@ -122,21 +133,13 @@ void Frame::sample_body(SamplerChain& samplers) {
 
 void Frame::place(const WindowTrajectory& trajectory) {
   for (auto& list : world_) list.clear();
-  Pose end = trajectory.end_at(1.0);
-  TimeNs placed = kTimeMin;  // points come in groups of equal time
+  const Pose& end = trajectory.corrected_end();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     if (taps_[i] == 0) continue;
     const TimedPoint& p = raw_[i];
-    if (trajectory.spread() == WindowTrajectory::Spread::linear && p.t != placed) {
-      end = trajectory.end_at(trajectory.share(placed = p.t));
-    }
-    const WorldPoint point{end * body_[i].cast<double>(),
-                           p.t,
-                           Eigen::Vector3f(p.x, p.y, p.z).norm(),
-                           p.intensity,
-                           index_[i],
-                           p.line,
-                           p.feature};
+    const Vec3 p_I = trajectory.in_end(body_[i].cast<double>(), trajectory.share(p.t));
+    const WorldPoint point{end * p_I, p.t,      Eigen::Vector3f(p.x, p.y, p.z).norm(), p.intensity, index_[i],
+                           p.line,    p.feature};
     for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
       if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
     }

@@ -20,6 +20,8 @@ class Frame {
   void deskew(const WindowTrajectory& trajectory);
   /// Body phase of the chain, then the lists per tap.
   void sample_body(SamplerChain& samplers);
+  /// From now on until sample_raw(), every point for the map is one of the match tap, too.
+  void match_all();
   /// match_body() again, for another trajectory; the choice of points stays.
   void deskew_matches(const WindowTrajectory& trajectory);
   /// World points of every tap, with the correction of the trajectory.
@@ -35,6 +37,7 @@ class Frame {
   static constexpr std::size_t slot(Tap tap) { return tap == Tap::overlap ? 0 : tap == Tap::map ? 1 : 2; }
 
   void reserve(std::size_t points);
+  void list_matches();
 
   Pose T_imu_lidar_;
   std::vector<TimedPoint> raw_;

@@ -53,6 +53,9 @@ void Ieskf::describe(config::Binder& b, Params& p) {
   b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10},
          "attitude step below which an iteration has converged");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
+  b.integer("dense_below", p.dense_below, "", {.min = 0, .max = 1e6},
+            "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
+            "for it (0: never)");
   b.real(
       "degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
       "an update whose weakest direction is known worse than this is marked degenerate (rotation at a 5 m lever arm)");
@@ -150,6 +153,7 @@ void Ieskf::MatchSet::reserve(std::size_t n, std::size_t rows_per_match, int k) 
   range.reserve(n);
   weight.reserve(n);
   lag.reserve(n);
+  share.reserve(n);
   surfaces.reserve(n);
   rows.reserve(n * rows_per_match);
   partials.reserve(exec::Executor::chunk_count(n, kGrain));
@@ -215,7 +219,7 @@ WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate
           const double weight = set.weight.empty() ? 1.0 : set.weight[i];
           const double information = weight * z.information;
           if (set.lag.empty()) {
-            sum.add(set.body[i], Rt, z.J, z.r, information);  // eq. IESKF-1
+            sum.add(set.body[i], Rt, z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1
           } else {
             sum.add_late(set.body[i], Rt, z.J, z.r, information, set.lag[i]);
           }
@@ -225,17 +229,13 @@ WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate
       [](WindowInformation& total, const WindowInformation& part) { total += part; });
 }
 
-/// The normal equations of what the points see (eqs. DSK-2, DSK-3).
+/// The normal equations of what the points see (eq. DSK-3).
 void Ieskf::observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const {
   A.setZero();
   b.setZero();
-  A.topLeftCorner<6, 6>() = sum.full();
+  A.topLeftCorner<6, 6>() = sum.A;
   b.head<6>() = sum.b;
-  if (params_.deskew_correction == DeskewCorrection::linear) {
-    const double T = std::max(to_seconds(trajectory_.predicted_end().t - trajectory_.begin()), 1e-6);
-    A.topLeftCorner<6, 6>() += (sum.A2 / T - 2.0 * sum.A1) / T;
-    b.head<6>() -= sum.b1 / T;
-  } else if (params_.deskew_correction == DeskewCorrection::state) {
+  if (params_.deskew_correction == DeskewCorrection::state) {
     A.topRightCorner<6, 6>() = -sum.A1;
     A.bottomLeftCorner<6, 6>() = -sum.A1.transpose();
     A.bottomRightCorner<6, 6>() = sum.A2;
@@ -247,10 +247,12 @@ void Ieskf::load_fresh() {
   fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
   fresh_.range.assign(frame_.match_range().begin(), frame_.match_range().end());
   fresh_.lag.clear();
-  if (params_.deskew_correction != DeskewCorrection::linear && params_.deskew_correction != DeskewCorrection::state) {
-    return;
+  fresh_.share.clear();
+  const TimeNs end = trajectory_.predicted_end().t;
+  for (const TimeNs t : frame_.match_time()) {
+    if (params_.deskew_correction == DeskewCorrection::state) fresh_.lag.push_back(to_seconds(end - t));
+    if (params_.deskew_correction == DeskewCorrection::linear) fresh_.share.push_back(trajectory_.share(t));
   }
-  for (const TimeNs t : frame_.match_time()) fresh_.lag.push_back(to_seconds(trajectory_.predicted_end().t - t));
 }
 
 /// The trajectory that ends in `at` when the IMU is read with its biases and calibration.
@@ -293,10 +295,8 @@ void Ieskf::follow(const NavState& at) {
   }
   trajectory_.correct(at.pose());
   if (trajectory_.spread() == WindowTrajectory::Spread::rigid) return;
-  const Pose end_from_W = at.pose().inverse();
   for (std::size_t i = 0; i < fresh_.body.size(); ++i) {
-    const double alpha = trajectory_.share(frame_.match_time()[i]);
-    fresh_.body[i] = end_from_W * (trajectory_.end_at(alpha) * frame_.match_body()[i]);
+    fresh_.body[i] = trajectory_.in_end(frame_.match_body()[i], trajectory_.share(frame_.match_time()[i]));
   }
 }
 
@@ -315,6 +315,14 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const CpuTimer timer(result_.times.solve);
     Evaluation sums;
     sums.fresh = evaluate(fresh_, x, no_gate);
+    if (j == 0 && static_cast<std::int64_t>(sums.fresh.accepted) < params_.dense_below) {
+      // The less of the view is known, the more each known point counts.
+      frame_.match_all();
+      reserve(frame_.match_body().size(), past.points.size());
+      load_fresh();
+      associate(fresh_, x, context.map, 0xffffffff);
+      sums.fresh = evaluate(fresh_, x, no_gate);
+    }
     sums.history = evaluate(history_, x, context.histories.gate(params_.sigma));
     result_.iterations = j + 1;
     result_.fresh_matches = static_cast<std::uint32_t>(sums.fresh.accepted);
@@ -325,7 +333,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     SeenMatrix A_all;
     SeenVector b_all;
     observe(sums.fresh, A_all, b_all);
-    A_all.topLeftCorner<6, 6>() += weight * sums.history.full();
+    A_all.topLeftCorner<6, 6>() += weight * sums.history.A;
     b_all.head<6>() += weight * sums.history.b;
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
@@ -362,7 +370,7 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   // Directions are compared in metres: a rotation counts at the lever arm of a typical point.
   Vec6 scale;
   scale << Vec3::Constant(1.0 / kLeverArm), Vec3::Ones();
-  const Mat6 scaled = scale.asDiagonal() * last.fresh.full() * scale.asDiagonal();
+  const Mat6 scaled = scale.asDiagonal() * last.fresh.A * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
   for (int i = 0; i < 6; ++i) result_.spectrum[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
   const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * solver.eigenvalues()[0];

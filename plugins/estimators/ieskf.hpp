@@ -37,6 +37,7 @@ class Ieskf final : public Estimator {
     double converged_m = 1e-3;
     double converged_deg = 0.0573;
     std::int64_t min_matches = 20;
+    std::int64_t dense_below = 0;
     double degenerate_sigma = 0.05;
     config::Nested<MotionModel> motion{"imu_midpoint"};
     config::Nested<Residual> residual{"point_to_plane"};
@@ -59,6 +60,7 @@ class Ieskf final : public Estimator {
     std::vector<float> range;
     std::vector<double> weight;  ///< factor on the information of each point; empty: 1
     std::vector<double> lag;     ///< time before the end of the window [s]; empty: rows do not depend on it
+    std::vector<double> share;   ///< of the pose error of the end that a point sees; empty: 1
     Neighbours neighbours;
     std::vector<Surface> surfaces;
     std::vector<ResidualRow> rows;

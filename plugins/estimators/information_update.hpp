@@ -18,13 +18,14 @@ struct PoseInformation {
   double squared_sum = 0;  ///< of accepted residuals [m^2], unweighted
   std::size_t accepted = 0;
 
-  /// One row z = h(x): h = [(p_I x R^T u)^T, u^T], information 1/R. Only the lower triangle of A is touched.
-  void add(const Vec3& p_I, const Mat3& R_transposed, const Vec3& u, double z, double information) {
+  /// One row z = h(x): h = share [(p_I x R^T u)^T, u^T], information 1/R.
+  void add(const Vec3& p_I, const Mat3& R_transposed, const Vec3& u, double z, double information, double share = 1.0) {
     Vec6 h;
     const Vec3 u_I = R_transposed * u;
     h << p_I.cross(u_I), u;
+    h *= share;
     const Vec6 weighted = information * h;
-    A.selfadjointView<Eigen::Lower>().rankUpdate(h, information);
+    for (int column = 0; column < 6; ++column) A.col(column).noalias() += h[column] * weighted;  // in whole vectors
     b += z * weighted;
     squared_sum += z * z;
     ++accepted;
@@ -36,8 +37,6 @@ struct PoseInformation {
     accepted += other.accepted;
     return *this;
   }
-  /// A with both triangles.
-  Mat6 full() const { return A.selfadjointView<Eigen::Lower>(); }
 };
 
 /// The same over a window whose points were measured tau [s] before its end: moments of tau tell how errors that grow

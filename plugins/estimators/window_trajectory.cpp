@@ -1,7 +1,9 @@
 #include "estimators/window_trajectory.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace aslio::plugins {
 
@@ -10,12 +12,19 @@ void WindowTrajectory::clear(const NavState& start) {
   segments_.clear();
   end_ = start;
   corrected_end_ = start.pose();
+  turn_ = move_ = Vec3::Zero();
 }
 
 void WindowTrajectory::append(const MotionSegment& segment, const NavState& end) {
   segments_.push_back(segment);
   end_ = end;
   corrected_end_ = end.pose();
+}
+
+void WindowTrajectory::correct(const Pose& end) {
+  corrected_end_ = end;
+  turn_ = log_so3(end_.R.transpose() * end.R);
+  move_ = end.R.transpose() * (end.p - end_.p);
 }
 
 void WindowTrajectory::shift(const Vec3& by) {
@@ -31,8 +40,21 @@ double WindowTrajectory::share(TimeNs t) const {
 
 Pose WindowTrajectory::end_at(double alpha) const {
   if (spread_ == Spread::rigid) return corrected_end_;
-  const Vec3 turn = log_so3(end_.R.transpose() * corrected_end_.R);
-  return {end_.R * exp_so3(alpha * turn), end_.p + alpha * (corrected_end_.p - end_.p)};
+  return {end_.R * exp_so3(alpha * turn_), end_.p + alpha * (corrected_end_.p - end_.p)};
+}
+
+/// eq. DSK-2: T_k^-1 T_alpha p.
+Vec3 WindowTrajectory::in_end(const Vec3& p, double alpha) const {
+  if (spread_ == Spread::rigid) return p;
+  const double rest = 1.0 - alpha, angle2 = rest * rest * turn_.squaredNorm();
+  // sin(x)/x and (1 - cos x)/x^2 of the angle that is not turned yet: corrections are small.
+  const bool small = angle2 < 0.01;
+  const double angle = small ? 0.0 : std::sqrt(angle2);
+  const double A = small ? 1.0 - angle2 / 6.0 * (1.0 - angle2 / 20.0 * (1.0 - angle2 / 42.0)) : std::sin(angle) / angle;
+  const double B =
+      small ? 0.5 - angle2 / 24.0 * (1.0 - angle2 / 30.0 * (1.0 - angle2 / 56.0)) : (1.0 - std::cos(angle)) / angle2;
+  const Vec3 left = rest * turn_, across = left.cross(p);
+  return p - A * across + B * left.cross(across) - rest * move_;
 }
 
 Pose WindowTrajectory::predicted(TimeNs t) const {
@@ -51,8 +73,7 @@ void WindowTrajectory::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
   const double alpha = spread_ == Spread::rigid ? 1.0 : share(t);
   Mat3 turn = Mat3::Identity();  // of T_alpha per turn of the end
   if (spread_ == Spread::linear) {
-    const Vec3 delta = log_so3(end_.R.transpose() * corrected_end_.R);
-    turn = alpha * right_jacobian_so3(alpha * delta) * right_jacobian_so3(delta).inverse();
+    turn = alpha * right_jacobian_so3(alpha * turn_) * right_jacobian_so3(turn_).inverse();
   }
   out.resize(6, 6);
   out.setZero();

@@ -23,7 +23,7 @@ class WindowTrajectory final : public TrajectoryModel {
   /// Moves everything, e.g. once the end has been found to lie elsewhere.
   void shift(const Vec3& by);
   /// The end pose after the update.
-  void correct(const Pose& end) { corrected_end_ = end; }
+  void correct(const Pose& end);
 
   Spread spread() const { return spread_; }
   std::span<const MotionSegment> segments() const { return segments_; }
@@ -32,6 +32,10 @@ class WindowTrajectory final : public TrajectoryModel {
   /// Where a point that the prediction brings to p in the frame of the end lies at share `alpha` of the interval:
   /// corrected_end() * p for a rigid correction.
   Pose end_at(double alpha) const;
+  /// The same point in the frame of corrected_end().
+  Vec3 in_end(const Vec3& p, double alpha) const;
+  const Pose& corrected_end() const { return corrected_end_; }
+  /// Of the interval that has passed at t, in [0, 1].
   double share(TimeNs t) const;
 
   Pose pose(TimeNs t) const override;
@@ -46,6 +50,7 @@ class WindowTrajectory final : public TrajectoryModel {
   std::vector<MotionSegment> segments_;
   NavState end_;
   Pose corrected_end_;
+  Vec3 turn_ = Vec3::Zero(), move_ = Vec3::Zero();  ///< correction of the end, seen from there
 };
 
 }  // namespace aslio::plugins

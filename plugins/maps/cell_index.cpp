@@ -1,20 +1,9 @@
 #include "maps/cell_index.hpp"
 
 #include <bit>
-#include <cmath>
 #include <utility>
 
 namespace aslio::plugins {
-
-std::optional<VoxelCell> cell_of(const Vec3& p, double inverse_edge) {
-  const Vec3 scaled = p * inverse_edge;
-  // Written so that NaN fails: the cast below is undefined for anything that does not fit.
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(std::abs(scaled[axis]) < kCellLimit)) return std::nullopt;
-  }
-  return VoxelCell{static_cast<std::int32_t>(std::floor(scaled.x())), static_cast<std::int32_t>(std::floor(scaled.y())),
-                   static_cast<std::int32_t>(std::floor(scaled.z()))};
-}
 
 void CellIndex::clear() {
   used_ = 0;

@@ -1,6 +1,7 @@
 #pragma once
 /// Open-addressing index from integer cells to numbers, the skeleton of a voxel map.
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -21,7 +22,13 @@ inline constexpr std::int32_t kCellMargin = 64;
 inline constexpr std::int32_t kCellLimit = (1 << 20) - kCellMargin;
 
 /// The cell of `p` [m]; nothing when it is not finite or beyond kCellLimit (a packed key would wrap).
-std::optional<VoxelCell> cell_of(const Vec3& p, double inverse_edge);
+inline std::optional<VoxelCell> cell_of(const Vec3& p, double inverse_edge) {
+  const double x = p.x() * inverse_edge, y = p.y() * inverse_edge, z = p.z() * inverse_edge;
+  // Written so that NaN fails: the cast below is undefined for anything that does not fit.
+  if (!(std::abs(x) < kCellLimit) || !(std::abs(y) < kCellLimit) || !(std::abs(z) < kCellLimit)) return std::nullopt;
+  return VoxelCell{static_cast<std::int32_t>(std::floor(x)), static_cast<std::int32_t>(std::floor(y)),
+                   static_cast<std::int32_t>(std::floor(z))};
+}
 
 /// 3 x 21 bits. Pre: every coordinate within +-2^20.
 constexpr std::uint64_t pack(const VoxelCell& c) {

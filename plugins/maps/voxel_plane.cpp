@@ -19,7 +19,7 @@ constexpr double kLeastAspect = 9;
 constexpr double kRefit = 1.1;
 
 /// Which of eight halves `p` lies in, about the corner `low` with the half edge `half`; moves `low` to its corner.
-std::uint32_t descend(const Vec3& p, double half, Vec3& low) {
+std::uint32_t descend(const Eigen::Vector3f& p, float half, Eigen::Vector3f& low) {
   std::uint32_t octant = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (p[axis] < low[axis] + half) continue;
@@ -32,7 +32,7 @@ std::uint32_t descend(const Vec3& p, double half, Vec3& low) {
 }  // namespace
 
 void VoxelPlane::describe(config::Binder& b, Params& p) {
-  b.real("voxel", p.voxel, "m", {.min = 0.05, .max = 100.0}, "edge of the coarsest voxels");
+  b.real("voxel", p.voxel, "m", {.min = 0.05, .max = 10.0}, "edge of the coarsest voxels");
   b.integer("levels", p.levels, "", {.min = 1, .max = 6}, "levels; each has half the edge of the one above");
   b.integer("min_points", p.min_points, "", {.min = 4, .max = 10000}, "points a plane needs");
   b.integer("max_points", p.max_points, "", {.min = 4, .max = 1e6}, "points after which a voxel is closed");
@@ -62,20 +62,21 @@ Surface VoxelPlane::surface(const Vec3& query, std::uint32_t max_stamp) const {
   const auto cell = cell_of(query, 1.0 / params_.voxel);
   const std::uint32_t root = cell ? index_.find(pack(*cell)) : kNone;
   if (root == kNone) return {};
-  const Vec3 origin = corner(*cell), p = query - origin;
-  Vec3 low = Vec3::Zero();
-  double edge = params_.voxel;
+  const Vec3 origin = corner(*cell);
+  const Eigen::Vector3f p = (query - origin).cast<float>();
+  Eigen::Vector3f low = Eigen::Vector3f::Zero();
+  auto edge = static_cast<float>(params_.voxel);
   for (const Node* node = &roots_[root].node;; node = &nodes_[node->children + descend(p, edge, low)]) {
     if (node->planar && node->stamp <= max_stamp) {
       Surface found;
-      found.normal = node->normal;
-      found.anchor = origin + node->mean;
+      found.normal = node->normal.cast<double>().normalized();
+      found.anchor = origin + node->mean.cast<double>();
       found.quality = quality(*node, p);
       found.valid = true;
       return found;
     }
     if (node->children == kNone) return {};
-    edge *= 0.5;
+    edge *= 0.5F;
   }
 }
 
@@ -87,7 +88,7 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
     const auto cell = cell_of(point.p_W, 1.0 / params_.voxel);
     if (!cell) continue;  // not finite, or beyond all cells
     if (root == kNone || *cell != last) root = root_at(last = *cell);
-    count.inserted += add(root, point.p_W - corner(*cell)) ? 1U : 0U;
+    count.inserted += add(root, (point.p_W - corner(*cell)).cast<float>()) ? 1U : 0U;
   }
   for (const Touched& touched : touched_) {
     fit(touched.node == kNone ? roots_[touched.root].node : nodes_[touched.node], stamp);
@@ -125,14 +126,14 @@ std::uint32_t VoxelPlane::take_children() {
 }
 
 /// Adds a point to its voxels of all levels; false when those are closed.
-bool VoxelPlane::add(std::uint32_t root, const Vec3& p) {
+bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p) {
   std::uint32_t number = kNone;
-  Vec3 low = Vec3::Zero();
-  double half = params_.voxel;
+  Eigen::Vector3f low = Eigen::Vector3f::Zero();
+  auto half = static_cast<float>(params_.voxel);
   bool added = false;
   for (std::int64_t level = 0;; ++level) {
     Node& node = number == kNone ? roots_[root].node : nodes_[number];
-    const bool open = node.count < static_cast<std::uint32_t>(params_.max_points);
+    const bool open = !closed(node);
     if (open) {
       if (!node.touched) touched_.push_back({root, number});
       node.touched = true;
@@ -146,12 +147,12 @@ bool VoxelPlane::add(std::uint32_t root, const Vec3& p) {
       const std::uint32_t children = take_children();
       (number == kNone ? roots_[root].node : nodes_[number]).children = children;
     }
-    half *= 0.5;
+    half *= 0.5F;
     number = (number == kNone ? roots_[root].node : nodes_[number]).children + descend(p, half, low);
   }
 }
 
-void VoxelPlane::sum_up(Node& node, const Vec3& p) {
+void VoxelPlane::sum_up(Node& node, const Eigen::Vector3f& p) {
   ++node.count;
   node.sum += p;
   std::size_t k = 0;
@@ -160,37 +161,42 @@ void VoxelPlane::sum_up(Node& node, const Vec3& p) {
 }
 
 /// eq. MAP-1.
-void VoxelPlane::fit(Node& node, std::uint32_t stamp) const {
+void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   node.touched = false;
-  const bool closing = node.count >= static_cast<std::uint32_t>(params_.max_points);
-  if (node.count < static_cast<std::uint32_t>(params_.min_points) || (node.count < node.next_fit && !closing)) return;
+  if (node.count < static_cast<std::uint32_t>(params_.min_points)) return;
+  if (node.count < node.next_fit && !closed(node)) return;
   const double n = node.count;
   node.next_fit = static_cast<std::uint32_t>(kRefit * n) + 1;
-  node.mean = node.sum / n;
+  const Vec3 mean = node.sum.cast<double>() / n;
   const auto& s = node.squares;
-  Mat3 covariance;
-  covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  covariance = covariance / n - node.mean * node.mean.transpose();
+  Eigen::Matrix3f sums;
+  sums << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  const Mat3 covariance = sums.cast<double>() / n - mean * mean.transpose();
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(covariance);
   const Vec3& variance = solver.eigenvalues();  // ascending
-  node.normal = solver.eigenvectors().col(0);
   const bool planar = variance[0] < params_.thickness * params_.thickness && variance[1] > kLeastSpread * variance[2] &&
-                      variance[1] > kLeastAspect * variance[0] && node.normal.allFinite();
-  node.along = solver.eigenvectors().col(2);
-  node.longest = variance[2];
-  node.shortest = variance[1];
+                      variance[1] > kLeastAspect * variance[0] && solver.eigenvectors().allFinite();
   if (planar && !node.planar) node.stamp = stamp;
   node.planar = planar;
+  node.mean = mean.cast<float>();
+  node.normal = solver.eigenvectors().col(0).cast<float>();
+  node.along = solver.eigenvectors().col(2).cast<float>();
+  node.longest = static_cast<float>(variance[2]);
+  node.shortest = static_cast<float>(variance[1]);
+  if (planar && closed(node)) {  // its parts will never be asked for
+    give_back(node);
+    node.children = kNone;
+  }
 }
 
 /// eq. MAP-2.
-double VoxelPlane::quality(const Node& node, const Vec3& p) const {
-  const Vec3 d = p - node.mean;
-  const double across = d.dot(node.normal), along = d.dot(node.along);
-  const double rest = std::max(0.0, d.squaredNorm() - across * across - along * along);
-  const double n = node.count;
-  return n / (n + params_.doubt * (1.0 + along * along / node.longest + rest / node.shortest));
+double VoxelPlane::quality(const Node& node, const Eigen::Vector3f& p) const {
+  const Eigen::Vector3f d = p - node.mean;
+  const float across = d.dot(node.normal), along = d.dot(node.along);
+  const float rest = std::max(0.0F, d.squaredNorm() - across * across - along * along);
+  const double leverage = 1.0 + static_cast<double>(along * along / node.longest + rest / node.shortest);
+  return node.count / (node.count + params_.doubt * leverage);
 }
 
 void VoxelPlane::give_back(const Node& node) {
@@ -244,7 +250,9 @@ void VoxelPlane::visit(const std::function<void(const Vec3&)>& visitor) const {
   std::sort(order.begin(), order.end(), [](const Root* a, const Root* b) {
     return std::tie(a->cell.x, a->cell.y, a->cell.z) < std::tie(b->cell.x, b->cell.y, b->cell.z);
   });
-  for (const Root* root : order) visitor(corner(root->cell) + root->node.sum / root->node.count);
+  for (const Root* root : order) {
+    visitor(corner(root->cell) + root->node.sum.cast<double>() / root->node.count);
+  }
 }
 
 }  // namespace aslio::plugins

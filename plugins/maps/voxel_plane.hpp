@@ -43,18 +43,18 @@ class VoxelPlane final : public Map {
   void visit(const std::function<void(const Vec3&)>& visitor) const override;
 
  private:
-  /// Coordinates are relative to the corner of the root voxel [m].
+  /// Coordinates are relative to the corner of the root voxel [m]: floats, for there are many and all are small.
   struct Node {
     std::uint32_t count = 0;
     std::uint32_t stamp = 0;                    ///< update that made it a plane
     std::uint32_t next_fit = 0;                 ///< count from which it is fitted again
     std::uint32_t children = CellIndex::kNone;  ///< number of the first of eight
     bool planar = false, touched = false;
-    Vec3 sum = Vec3::Zero();
-    std::array<double, 6> squares{};  ///< xx, xy, xz, yy, yz, zz
-    Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
-    Vec3 along = Vec3::Zero();         ///< direction of the largest variance
-    double longest = 1, shortest = 1;  ///< variances within the plane [m^2]
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    std::array<float, 6> squares{};  ///< xx, xy, xz, yy, yz, zz
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero(), mean = Eigen::Vector3f::Zero();
+    Eigen::Vector3f along = Eigen::Vector3f::Zero();  ///< direction of the largest variance
+    float longest = 1, shortest = 1;                  ///< variances within the plane [m^2]
   };
   struct Root {
     VoxelCell cell;
@@ -69,10 +69,11 @@ class VoxelPlane final : public Map {
   std::uint32_t root_at(const VoxelCell& cell);
   std::uint32_t take_children();
   void give_back(const Node& node);
-  bool add(std::uint32_t root, const Vec3& p);
-  static void sum_up(Node& node, const Vec3& p);
-  void fit(Node& node, std::uint32_t stamp) const;
-  double quality(const Node& node, const Vec3& p) const;
+  bool add(std::uint32_t root, const Eigen::Vector3f& p);
+  static void sum_up(Node& node, const Eigen::Vector3f& p);
+  void fit(Node& node, std::uint32_t stamp);
+  bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
+  double quality(const Node& node, const Eigen::Vector3f& p) const;
   void drop(std::uint32_t root);
   Surface surface(const Vec3& query, std::uint32_t max_stamp) const;
 

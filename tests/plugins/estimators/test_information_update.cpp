@@ -79,7 +79,7 @@ TEST_CASE("the iteration step equals the textbook Kalman step") {
   for (int i = 0; i < kStateDim; ++i) d[i] = 0.01 * std::sin(2.0 * i);
   const Eigen::MatrixXd K = gain(P, rows);
   const StateVector expected = -K * rows.z - (StateMatrix::Identity() - K * rows.H) * d;
-  const StateVector actual = iteration_step<6>(P, pose_rows(), rows.sums.full(), rows.sums.b, d);
+  const StateVector actual = iteration_step<6>(P, pose_rows(), rows.sums.A, rows.sums.b, d);
   CHECK((actual - expected).norm() < 1e-9);
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("posterior covariance: without history every rule gives (I - KH) P; si
     const Rows rows = some_rows(n, 0.1, Mat3::Identity());
     StateMatrix expected = P;
     if (n > 0) expected = (StateMatrix::Identity() - gain(P, rows) * rows.H) * P;
-    const Mat6 A = rows.sums.full();
+    const Mat6 A = rows.sums.A;
     for (const auto rule : {HistoryCovariance::joseph, HistoryCovariance::new_only, HistoryCovariance::all}) {
       CHECK((posterior_covariance<6>(P, pose_rows(), A, A, rule) - expected).cwiseAbs().maxCoeff() < 1e-10);
     }
@@ -100,8 +100,8 @@ TEST_CASE("posterior covariance with history: the Joseph form of the gain that w
   const StateMatrix P = some_covariance(0.7);
   const Rows fresh = some_rows(30, 0.3, Mat3::Identity());
   const Rows old = some_rows(25, 2.3, Mat3::Identity());
-  const Mat6 A_new = fresh.sums.full();
-  const Mat6 A_all = A_new + 0.4 * old.sums.full();
+  const Mat6 A_new = fresh.sums.A;
+  const Mat6 A_all = A_new + 0.4 * old.sums.A;
   // K_new = P_c S h_new / R with S from all residuals; only fresh residuals carry noise.
   const Mat6 S = (Mat6::Identity() + A_all * P.topLeftCorner<6, 6>()).inverse();
   const Eigen::MatrixXd K = P.leftCols<6>() * S * fresh.H.leftCols<6>().transpose() * fresh.information;
@@ -141,7 +141,7 @@ TEST_CASE("moments of the lag give the normal equations of rows that see velocit
   }
   Eigen::Matrix<double, kSeenDim, kSeenDim> A;
   Eigen::Matrix<double, kSeenDim, 1> b;
-  A << sums.full(), -sums.A1, -sums.A1.transpose(), sums.A2;
+  A << sums.A, -sums.A1, -sums.A1.transpose(), sums.A2;
   b << sums.b, -sums.b1;
   const Eigen::MatrixXd S = H * P * H.transpose() + Eigen::MatrixXd::Identity(n, n) / information;
   const Eigen::MatrixXd K = P * H.transpose() * S.inverse();
