@@ -188,6 +188,23 @@ TEST_CASE("an interrupted simulation exits with 130 and leaves nothing half-writ
   check_nothing_half_written(stage / "out");
 }
 
+TEST_CASE("the surfaces of the world are written, and make the same world again") {
+  const Stage stage;
+  const Ended ended = stage.run({"--quiet", "--save-world", stage / "world.ply"});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  CHECK(content(stage / "world.ply").starts_with("ply\n"));
+  const std::string truth = content(stage / "out/truth.tum"), overlap = content(stage / "out/overlap.csv");
+  const Ended again = stage.run({"--quiet", "--set", "world.file=world.ply"});
+  INFO(again.err);
+  REQUIRE(again.code == 0);
+  CHECK(content(stage / "out/truth.tum") == truth);
+  CHECK(content(stage / "out/overlap.csv") == overlap);
+  const Ended own = stage.run({"--save-world", stage / "room.obj"});
+  CHECK(own.code == 2);
+  CHECK_THAT(own.err, Contains("--save-world") && Contains("room.obj would be overwritten"));
+}
+
 TEST_CASE("a full disk ends a simulation with 3, names the file and leaves nothing half-written") {
   const Stage stage;
   const Ended ended = run_aslio_with_file_limit(stage.arguments(), 100'000);

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/simulator/mesh_file.hpp"
 #include "aslio/simulator/record.hpp"
 #include "aslio/simulator/scene.hpp"
 #include "aslio/simulator/simulation.hpp"
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 struct Arguments {
-  std::string scene, output, sensor;
+  std::string scene, output, sensor, world;
   std::vector<std::string> overrides;
   int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
   std::uint64_t seed = simulator::SimulationOptions{}.seed;
@@ -43,7 +44,8 @@ constexpr std::array<std::string_view, 7> kFiles = {"truth.tum",  "truth.csv",  
                                                     "scene.yaml", "preview.svg", "dataset.yaml"};
 
 /// Throws ConfigError when a file of the recording would replace one that is read.
-void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const fs::path& folder, const std::string& name) {
+void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const Arguments& a, const std::string& name) {
+  const fs::path folder = a.output;
   const fs::path beside = scene.path.parent_path();
   std::vector<fs::path> inputs = {scene.path};
   for (const std::string& file : {scene.scene.follow.file, scene.scene.world.mesh.file}) {
@@ -51,14 +53,15 @@ void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const fs::pat
   }
   std::vector<fs::path> outputs = {folder / (name + ".bag")};
   for (const std::string_view file : kFiles) outputs.push_back(folder / file);
+  if (!a.world.empty()) outputs.emplace_back(a.world);
   for (const fs::path& output : outputs) {
     for (const fs::path& input : inputs) {
       std::error_code ignored;
       const bool same = fs::weakly_canonical(output, ignored) == fs::weakly_canonical(input, ignored) ||
                         fs::equivalent(output, input, ignored);
       if (!same) continue;
-      throw ConfigError(fmt::format(
-          "--output: {} would be overwritten, and the simulation reads it; name another place", input.string()));
+      throw ConfigError(fmt::format("{}: {} would be overwritten, and the simulation reads it; name another place",
+                                    output == a.world ? "--save-world" : "--output", input.string()));
     }
   }
 }
@@ -127,7 +130,7 @@ int simulate(const Arguments& a) {
   catch_interrupts();
   const simulator::SceneFile scene = simulator::load_scene(a.scene, a.overrides);
   const std::string name = scene.path.stem().string();
-  refuse_to_overwrite_inputs(scene, a.output, name);
+  refuse_to_overwrite_inputs(scene, a, name);
   simulator::SimulationOptions options;
   options.seed = a.seed;
   options.scale = a.scale;
@@ -139,6 +142,7 @@ int simulate(const Arguments& a) {
                     "follow.knot_interval follows closer",
                     simulation.follow_error(), scene.scene.follow.file));
   create_folder(a.output);
+  if (!a.world.empty()) simulator::write_mesh(simulation.caster().mesh(), a.world);
   Monitor monitor(a.quiet, simulation.duration());
   simulator::RecordResult result;
   const bool whole =
@@ -176,6 +180,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--set", a.overrides, "key.path=value (YAML); changes the scene, may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  app.add_option("--save-world", a.world, "PLY file for the surfaces of the world, people left out")->type_name("FILE");
   app.add_flag("--no-compression", a.no_compression, "bag without lz4");
   app.add_flag("--quiet", a.quiet, "no progress and no report; warnings and errors remain");
 }

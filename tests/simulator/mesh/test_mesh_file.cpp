@@ -182,3 +182,23 @@ TEST_CASE("damaged contents of a mesh file are refused") {
   std::memcpy(nan.data() + first, &bits, sizeof bits);
   CHECK_THAT(of(nan), Catch::Contains("not finite: repair the mesh"));
 }
+
+TEST_CASE("a mesh that is written is read back with the same surfaces") {
+  const test::TemporaryFolder folder;
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {4, 0, 0.5F}, {4, 3, 0}, {0, 3, 1}, {1, 1, 2.5F}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 2, 4}};
+  mesh.reflectivity = {100, 100, 100};
+  const std::filesystem::path path = folder / "world.ply";
+  write_mesh(mesh, path);
+  const World world = load_mesh_world(path, {});
+  REQUIRE(world.mesh.triangles.size() == mesh.triangles.size());
+  // Vertices may be merged and renumbered, corners stay where they were.
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const auto &a = mesh.triangles[k], &b = world.mesh.triangles[k];
+    CHECK(world.mesh.vertices[b.a] == mesh.vertices[a.a]);
+    CHECK(world.mesh.vertices[b.b] == mesh.vertices[a.b]);
+    CHECK(world.mesh.vertices[b.c] == mesh.vertices[a.c]);
+  }
+  CHECK_THROWS_AS(write_mesh(mesh, path / "no" / "such.ply"), DataError);
+}

@@ -1,5 +1,5 @@
 #pragma once
-/// Worlds of the user's own.
+/// Worlds of the user's own, and worlds as files.
 
 #include <filesystem>
 
@@ -24,5 +24,8 @@ struct MeshFileParams {
 /// the reason: missing, unreadable, another format, no faces (a point cloud), coordinates that are not finite or beyond
 /// 100 km.
 World load_mesh_world(const std::filesystem::path& path, const MeshFileParams& params);
+
+/// Binary PLY of the triangles [m]; what load_mesh_world() reads. Throws DataError when it cannot be written.
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path);
 
 }  // namespace aslio::simulator
