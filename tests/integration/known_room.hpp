@@ -3,12 +3,14 @@
 /// filter alone.
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "aslio/simulator/imu_model.hpp"
 #include "aslio/simulator/motion.hpp"
+#include "aslio/simulator/random.hpp"
 #include "aslio/stages/estimator.hpp"
 #include "plugins/build_environment.hpp"
 
@@ -37,7 +39,7 @@ enum class PointNoise : std::uint8_t {
 };
 
 struct KnownRoomSetting {
-  std::vector<std::string> overrides;  ///< of the estimator, after those of known_room_estimator()
+  std::vector<std::string> overrides;  ///< of the defaults of `ieskf` with `noise: physical`
   simulator::ImuModel imu;
   double sigma = 0.02;  ///< of the points, and what the filter takes it for [m]
   PointNoise noise = PointNoise::all_directions;
