@@ -152,6 +152,9 @@ class Verdicts(StudyCase):
         code, out = self.decide()
         self.assertEqual(code, 0)
         self.assertIn("| second | first | 1 / 0 / 0 |", out)
+        self.assertIn("not one that results.csv decides", out)
+        self.study("sod_voxel_size", [("a", 1, "first", 0.2), ("a", 1, "second", 0.1)])
+        self.assertIn("decided by `tools/analysis/sod_voxel_size.py`", self.decide()[1])
 
     def test_every_shipped_rule_is_there(self):
         experiments = decide.rules.__file__.rsplit("/tools/", 1)[0] + "/experiments"

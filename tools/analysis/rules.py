@@ -3,6 +3,7 @@
 Each takes the Report and the options of decide.py, and repeats in code the `rule` that its study states in words.
 """
 import math
+import pathlib
 
 import pairs
 from report import at_least, number
@@ -296,4 +297,6 @@ def by_baseline(report, _):
     report.medians(report.study.methods)
     first = report.study.methods[0]
     report.comparison([(method, first) for method in report.study.methods[1:]])
-    report.text("Its rule is not one that results.csv decides; the above are the figures.")
+    script = pathlib.Path(__file__).with_name(report.study.name + ".py")
+    report.text(f"Its rule is decided by `tools/analysis/{script.name}`." if script.exists() else
+                "Its rule is not one that results.csv decides; the above are the figures.")
