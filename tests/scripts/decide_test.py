@@ -82,7 +82,7 @@ class Verdicts(StudyCase):
         _, out = self.decide()
         self.assertIn("on 7 of 9 (needs 8 of 9): **does not hold**", out)
         self.assertIn("2 of 27 failed: **does not hold**", out)
-        self.assertIn("indoor_2_2/as_lio (diverged)", out)
+        self.assertIn("| indoor_2_2 | as_lio | diverged | - |", out)
         self.assertIn("| indoor_2 | 0.1 | x |", out)
 
     def test_missing_sequences_leave_it_open(self):
@@ -161,6 +161,15 @@ class Verdicts(StudyCase):
         names = {path.stem for path in type(self.root)(experiments).glob("*.yaml")}
         self.assertEqual(set(decide.RULES) - names, set())
         self.assertTrue(names)
+
+    def test_runs_of_different_pipelines_are_told(self):
+        self.study("mine", [("a", seed, m, 0.1) for seed in (1, 2) for m in ("x", "y")])
+        for seed in (1, 2):
+            for m, text in (("x", f"file: runs/a_{seed}/updates.csv"), ("y", f"rho: {seed}")):
+                folder = self.root / f"runs/a_{seed}/{m}"
+                folder.mkdir(parents=True)
+                (folder / "resolved.yaml").write_text(text)
+        self.assertIn("**Not one configuration: runs of y differ in resolved.yaml.**", self.decide()[1])
 
     def test_what_is_no_study_is_told(self):
         code, _, err = printed(decide.main, self.root)

@@ -35,9 +35,13 @@ class Report:
         text = f"{len(study.runs)} of {study.planned} runs, seeds {', '.join(filter(None, study.seeds())) or 'none'}."
         if not self.complete():
             text += " **Not complete: what follows is of the runs so far.**"
+        mixed = study.mixed()
+        if mixed:
+            text += f" **Not one configuration: runs of {', '.join(mixed)} differ in resolved.yaml.**"
         if failures:
-            text += f" {len(failures)} failed, and count as worse than any figure: "
-            text += ", ".join(f"{run.data}/{run.method} ({run.status})" for run in failures) + "."
+            text += f" {len(failures)} failed, and count as worse than any figure:\n\n"
+            text += markdown_table(["data", "method", "status", "reason"], [
+                [run.data, run.method, run.status, run.reason.replace("|", "/") or "-"] for run in failures])
         return text
 
     def text(self, *parts):

@@ -132,6 +132,8 @@ def section(study, metrics, options):
     made = revisions(study)
     extent = f"{len(study.runs)} runs" + (f" of {study.planned}" if len(study.runs) < study.planned else "")
     extent += f", {len(failures)} failed" + (f": {told}" if told else "") + "."
+    mixed = study.mixed()
+    extent += f" **Not one configuration: runs of {', '.join(mixed)} differ in resolved.yaml.**" if mixed else ""
     extent += f" Revision {', '.join(made)}." if made else ""
     parts = [f"## Study `{study.name}`", study.question, command(study), extent, verdict(study, options),
              "Median (smallest to largest) over seeds:", summary(study, metrics), all_values(study, metrics)]

@@ -94,6 +94,21 @@ class Study:
     def failures(self, method=None):
         return [run for run in self.runs if not run.good() and method in (None, run.method)]
 
+    def mixed(self):
+        """Methods whose runs were made with different pipelines: the file was changed while the study ran, or between calls."""
+        out = []
+        for method in self.methods:
+            texts = set()
+            for run in self.of(method):
+                try:
+                    # A schedule that is replayed is another for each recording.
+                    texts.add((run.folder / "resolved.yaml").read_text(encoding="utf-8").replace(run.data, "DATA"))
+                except OSError:
+                    continue
+            if len(texts) > 1:
+                out.append(method)
+        return out
+
     def seeds(self):
         return in_order(run.seed for run in self.runs)
 
