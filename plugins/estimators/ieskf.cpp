@@ -14,54 +14,16 @@ namespace {
 constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr int kVelocityUpdates = 5;  // of a dynamic start
-constexpr double kLeverArm = 5.0;    // [m], turns radians into metres when directions are compared
+
+/// Directions are compared in metres: a rotation counts at the lever arm of a typical point.
+Vec6 direction_scale() {
+  constexpr double lever_arm = 5.0;  // [m]
+  Vec6 scale;
+  scale << Vec3::Constant(1.0 / lever_arm), Vec3::Ones();
+  return scale;
+}
 
 }  // namespace
-
-void Ieskf::describe(config::Binder& b, Params& p) {
-  b.choice("gravity", p.estimated.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
-           "what of gravity is estimated: its direction, all three components, or nothing");
-  b.choice("gyro_calibration", p.estimated.gyro_calibration,
-           {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
-           "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
-           "(0.5 %), too");
-  b.flag("time_offset", p.estimated.time_offset, "estimate the delay of the IMU (prior 3 ms)");
-  b.choice("deskew_correction", p.deskew_correction,
-           {{"rigid", DeskewCorrection::rigid},
-            {"linear", DeskewCorrection::linear},
-            {"asymptotic", DeskewCorrection::asymptotic},
-            {"state", DeskewCorrection::state}},
-           "how the correction reaches the points inside a window: all of it; in proportion to their time, in the rows "
-           "too; the same in the points only (AC-LIO); or de-skewed again with the rate, velocity and calibration of "
-           "the iterate, in the rows too");
-  b.choice("noise", p.noise,
-           {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
-           "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
-           "scale "
-           "factor and delay that grow with the turn rate");
-  b.choice(
-      "association", p.association,
-      {{"every_iteration", Association::every_iteration},
-       {"on_convergence", Association::on_convergence},
-       {"once", Association::once}},
-      "when neighbours are searched: at every iteration; again when a step has converged, until two have (FAST-LIO2); "
-      "or only at the predicted pose");
-  b.integer("max_iterations", p.max_iterations, "", {.min = 1, .max = 50}, "iterations at most");
-  b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one point-to-surface residual");
-  b.real("converged_m", p.converged_m, "m", {.above = 0, .max = 1},
-         "position step below which an iteration has converged");
-  b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10},
-         "attitude step below which an iteration has converged");
-  b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
-  b.integer("dense_below", p.dense_below, "", {.min = 0, .max = 1e6},
-            "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
-            "for it (0: never)");
-  b.real(
-      "degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-      "an update whose weakest direction is known worse than this is marked degenerate (rotation at a 5 m lever arm)");
-  b.stage("motion", p.motion, "pose and covariance between updates");
-  b.stage("residual", p.residual, "what a match measures");
-}
 
 Ieskf::Ieskf(const Params& params, const BuildContext& context)
     : params_(params),
@@ -284,6 +246,20 @@ void Ieskf::retrace(const NavState& at) {
   if (states_.empty()) states_.push_back(at);
 }
 
+/// W with which rows h of the pose become W h: without the directions in which A knows less than degenerate_sigma.
+/// eq. IESKF-9.
+Mat6 Ieskf::leave_degenerate_out(const Mat6& A) const {
+  const Vec6 scale = direction_scale();
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scale.asDiagonal() * A * scale.asDiagonal());
+  const double least = 1.0 / (params_.degenerate_sigma * params_.degenerate_sigma);
+  Mat6 keep = Mat6::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (solver.eigenvalues()[i] < least) continue;
+    keep += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
+  }
+  return scale.cwiseInverse().asDiagonal() * keep * scale.asDiagonal();
+}
+
 /// Brings the fresh points to the end of the window again, as the iterate says.
 void Ieskf::follow(const NavState& at) {
   const CpuTimer timer(result_.times.deskew);
@@ -335,6 +311,12 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     observe(sums.fresh, A_all, b_all);
     A_all.topLeftCorner<6, 6>() += weight * sums.history.A;
     b_all.head<6>() += weight * sums.history.b;
+    SeenMatrix taken = SeenMatrix::Identity();
+    if (params_.degenerate_to_prior) {
+      taken.topLeftCorner<6, 6>() = taken.bottomRightCorner<6, 6>() = leave_degenerate_out(sums.fresh.A);
+      A_all = (taken * A_all * taken.transpose()).eval();
+      b_all = (taken * b_all).eval();
+    }
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
     const StateVector delta = iteration_step<kSeenDim>(P, seen_, A_all, b_all, d);
@@ -352,7 +334,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
       // way.
       const bool settled = turn < 10 * params_.converged_deg && shift < 10 * params_.converged_m;
       result_.status = settled ? UpdateStatus::ok : UpdateStatus::not_converged;
-      return accept(x, P, sums, A_all, past);
+      return accept(x, P, sums, taken, A_all, past);
     }
     search = params_.association == Association::every_iteration ||
              (params_.association == Association::on_convergence && converged);
@@ -360,16 +342,15 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
 }
 
 void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
-                   const SeenMatrix& A_all, const HistorySelection& past) {
+                   const SeenMatrix& taken, const SeenMatrix& A_all, const HistorySelection& past) {
   SeenMatrix A_seen;
   SeenVector unused;
   observe(last.fresh, A_seen, unused);
+  if (params_.degenerate_to_prior) A_seen = (taken * A_seen * taken.transpose()).eval();
   const StateMatrix P = posterior_covariance<kSeenDim>(P_iterate, seen_, A_seen, A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
-  // Directions are compared in metres: a rotation counts at the lever arm of a typical point.
-  Vec6 scale;
-  scale << Vec3::Constant(1.0 / kLeverArm), Vec3::Ones();
+  const Vec6 scale = direction_scale();
   const Mat6 scaled = scale.asDiagonal() * last.fresh.A * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
   for (int i = 0; i < 6; ++i) result_.spectrum[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];

@@ -39,6 +39,7 @@ class Ieskf final : public Estimator {
     std::int64_t min_matches = 20;
     std::int64_t dense_below = 0;
     double degenerate_sigma = 0.05;
+    bool degenerate_to_prior = false;
     config::Nested<MotionModel> motion{"imu_midpoint"};
     config::Nested<Residual> residual{"point_to_plane"};
   };
@@ -86,11 +87,12 @@ class Ieskf final : public Estimator {
   void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
   WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
+  Mat6 leave_degenerate_out(const Mat6& A) const;
   void load_fresh();
   void retrace(const NavState& at);
   void follow(const NavState& at);
-  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const SeenMatrix& A_all,
-              const HistorySelection& past);
+  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const SeenMatrix& taken,
+              const SeenMatrix& A_all, const HistorySelection& past);
   void refuse(UpdateStatus status);
   bool dead_reckoning_is_good() const;
   void finish();

@@ -102,8 +102,7 @@ std::uint32_t VoxelPlane::root_at(const VoxelCell& cell) {
   std::uint32_t number = index_.find(key);
   if (number != kNone) return number;
   if (free_roots_.empty()) {
-    number = static_cast<std::uint32_t>(roots_.size());
-    roots_.emplace_back();
+    number = static_cast<std::uint32_t>(roots_.grow(1));
   } else {
     number = free_roots_.back();
     free_roots_.pop_back();
@@ -115,10 +114,7 @@ std::uint32_t VoxelPlane::root_at(const VoxelCell& cell) {
 }
 
 std::uint32_t VoxelPlane::take_children() {
-  if (free_blocks_.empty()) {
-    nodes_.resize(nodes_.size() + 8);
-    return static_cast<std::uint32_t>(nodes_.size() - 8);
-  }
+  if (free_blocks_.empty()) return static_cast<std::uint32_t>(nodes_.grow(8));
   const std::uint32_t first = free_blocks_.back();
   free_blocks_.pop_back();
   for (std::uint32_t i = 0; i < 8; ++i) nodes_[first + i] = {};
@@ -140,10 +136,10 @@ bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p) {
       sum_up(node, p);
       added = true;
     }
-    // Parts of a plane that is closed are never asked for, and those of a voxel with few points tell nothing.
-    if ((!open && node.planar) || level + 1 == params_.levels) return added;
+    // Parts of a plane are not asked for, and those of a voxel with few points tell nothing.
+    if (node.planar || level + 1 == params_.levels) return added;
     if (node.children == kNone) {
-      if (node.count < static_cast<std::uint32_t>(params_.min_points)) return added;
+      if (node.next_fit == 0) return added;
       const std::uint32_t children = take_children();
       (number == kNone ? roots_[root].node : nodes_[number]).children = children;
     }
@@ -238,15 +234,15 @@ void VoxelPlane::clear() {
 }
 
 std::size_t VoxelPlane::memory_bytes() const {
-  return index_.memory_bytes() + roots_.capacity() * sizeof(Root) + nodes_.capacity() * sizeof(Node) +
+  return index_.memory_bytes() + roots_.memory_bytes() + nodes_.memory_bytes() +
          (free_roots_.capacity() + free_blocks_.capacity()) * sizeof(std::uint32_t) +
          touched_.capacity() * sizeof(Touched);
 }
 
 void VoxelPlane::visit(const std::function<void(const Vec3&)>& visitor) const {
   std::vector<const Root*> order;
-  for (const Root& root : roots_)
-    if (root.in_use) order.push_back(&root);
+  for (std::size_t number = 0; number < roots_.size(); ++number)
+    if (roots_[number].in_use) order.push_back(&roots_[number]);
   std::sort(order.begin(), order.end(), [](const Root* a, const Root* b) {
     return std::tie(a->cell.x, a->cell.y, a->cell.z) < std::tie(b->cell.x, b->cell.y, b->cell.z);
   });

@@ -6,6 +6,7 @@
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
 #include "maps/cell_index.hpp"
+#include "maps/chunked.hpp"
 
 namespace aslio::plugins {
 
@@ -80,10 +81,10 @@ class VoxelPlane final : public Map {
   Params params_;
   exec::Executor& exec_;
   CellIndex index_;
-  std::vector<Root> roots_;
+  Chunked<Root, 10> roots_;
   std::vector<std::uint32_t> free_roots_;
   std::size_t roots_in_use_ = 0;
-  std::vector<Node> nodes_;  ///< below the roots, in blocks of eight
+  Chunked<Node, 12> nodes_;  ///< below the roots, in blocks of eight
   std::vector<std::uint32_t> free_blocks_;
   std::vector<Touched> touched_;
   Vec3 trimmed_at_ = Vec3::Zero();

@@ -93,6 +93,16 @@ TEST_CASE("initialisation: acceleration that cannot be gravity is refused, g wit
   CHECK_NOTHROW(Start().imu(0, 0.2, 0.005, Vec3(0, 0, 9.0)).run());
 }
 
+TEST_CASE("initialisation: in motion the mean force may be that of a step, but not gravity in another unit") {
+  const Vec3 turning(0, 0, 0.2);
+  for (const double force : {6.1, 13.6}) {
+    CHECK_NOTHROW(Start().imu(0, 0.2, 0.005, Vec3(0, 0, force), turning).run());
+    CHECK_THROWS_AS(Start().imu(0, 0.2, 0.005, Vec3(0, 0, force)).run(), DataError);
+  }
+  CHECK_THROWS_WITH(Start().imu(0, 0.2, 0.005, Vec3(0, 0, 0.62), turning).run(), Contains("acc_unit: g"));
+  CHECK_THROWS_AS(Start().imu(0, 0.2, 0.005, Vec3(0, 0, 96), turning).run(), DataError);
+}
+
 TEST_CASE("initialisation: two samples of a 10 Hz IMU are enough, one is not") {
   CHECK_FALSE(Start().imu(0, 0.05, 0.1, kUp).run());
   const auto found = Start().imu(0, 0.1, 0.1, kUp).run();

@@ -69,7 +69,7 @@ TEST_CASE("dead reckoning for more than a second stops inserting, and the run en
   const TwoBuildings world(1.3125, 5.5);
   // Blind from before the turn until after it: 1.7 s of dead reckoning, then the unseen building.
   const TimeNs blind_until = world.at(TwoBuildings::kTurnBegin + 1.6);
-  Run run(shipped("fixed_window"), world.sensor);
+  Run run(shipped("fixed_window", {"insertion.type=on_new"}), world.sensor);
   run.play(without<LidarPacket>(world.recording, world.at(TwoBuildings::kTurnBegin - 0.1), blind_until));
   REQUIRE(run.odometry.divergence());
   CHECK(run.odometry.tracking() == TrackingStatus::lost);

@@ -147,3 +147,16 @@ TEST_CASE("tracking: the first divergence is the one that is told") {
   CHECK(play.tracking.divergence()->t == kEpoch + kTenth);
   CHECK_THAT(play.tracking.divergence()->reason, Contains("31.0 m/s"));
 }
+
+TEST_CASE("tracking: an accelerometer bias that no sensor has is a degradation, however many updates are accepted") {
+  Play play;
+  play.accepted(10);
+  Update update;
+  update.status = UpdateStatus::ok;
+  update.accepted = true;
+  update.state.b_a = Vec3(0, 1.6, 0);
+  for (int i = 0; i < 20; ++i) CHECK(play.next(update) == TrackingStatus::degraded);
+  update.state.b_a = Vec3(0, 0.2, 0);
+  CHECK(play.next(update) == TrackingStatus::recovering);
+  CHECK(play.accepted(4) == TrackingStatus::ok);
+}

@@ -62,9 +62,10 @@ Mat3 levelled(const Vec3& acc) {
   return exp_so3(-yaw * Vec3::UnitZ()) * R;
 }
 
-void refuse_impossible_gravity(double norm) {
-  if (norm >= 7.0 && norm <= 13.0) return;
-  const bool in_g = norm > 0.7 && norm < 1.4;
+void refuse_impossible_gravity(double norm, bool at_rest) {
+  // Steps of a walk: over 0.1 s the mean lies within 6 and 14 m/s^2.
+  if (at_rest ? norm >= 7.0 && norm <= 13.0 : norm >= 3.0 && norm <= 20.0) return;
+  const bool in_g = norm > 0.3 && norm < 2.05;
   throw DataError(fmt::format(
       "initialisation: the mean specific force is {:.3f} m/s^2, which cannot be gravity (9.80665 m/s^2){}", norm,
       in_g ? "; it looks like g: declare 'acc_unit: g' in the sensor file (factor 9.80665)"
@@ -89,10 +90,10 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   if (used.size() < 2) return std::nullopt;
 
   const Averages mean = average(used);
-  refuse_impossible_gravity(mean.acc.norm());
   const bool at_rest = mean.acc_std < params.static_acc_std && mean.gyro.norm() < params.static_rate;
   const bool is_static =
       params.mode == InitialisationMode::static_start || (params.mode == InitialisationMode::automatic && at_rest);
+  refuse_impossible_gravity(mean.acc.norm(), is_static);
 
   Initialisation out;
   InitialState& initial = out.initial;

@@ -29,6 +29,11 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   }
   if (update.accepted) {
     silent_since_ = kTimeMin;
+    if (s.b_a.norm() > kMaxAccBias) {
+      accepted_in_a_row_ = 0;
+      status_ = TrackingStatus::degraded;
+      return;
+    }
     ++accepted_in_a_row_;
     const bool was_well = status_ == TrackingStatus::initialising || status_ == TrackingStatus::ok;
     status_ = was_well || accepted_in_a_row_ >= kRecovered ? TrackingStatus::ok : TrackingStatus::recovering;

@@ -7,6 +7,7 @@
 #include "aslio/pipeline/odometry.hpp"
 #include "pipeline/runs.hpp"
 #include "plugins/estimators/room.hpp"
+#include "plugins/overlaps/one_stage.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -45,6 +46,11 @@ struct Filter {
     initial.sigma_velocity = sigma_velocity;
     if (imu_is_known) initial.sigma_acc_bias = initial.sigma_tilt = initial.sigma_gyro_bias = 1e-4;
     estimator->reset(initial);
+  }
+  void add_sampler(const std::string& text) {
+    std::vector<std::unique_ptr<Sampler>> chain;
+    chain.push_back(make_stage<Sampler>(built_in_stages(), text, environment.context()));
+    samplers = SamplerChain(std::move(chain));
   }
   void build_map(std::uint32_t stamp) { map->insert(wall_points(20000), stamp); }
   const Update& update(const RoomWindow& room, const HistorySelection& past = {}) {
@@ -378,5 +384,43 @@ TEST_CASE("a refused update leaves no trace of its iterations") {
     CHECK((update.trajectory->pose(kRoomEpoch + kTenth).p - update.prior.p).norm() < 1e-12);
     CHECK((update.trajectory->pose(kRoomEpoch).p).norm() < 1e-12);
     CHECK((update.trajectory->pose(kRoomEpoch).R - Mat3::Identity()).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("degenerate_to_prior: what is known badly stays as predicted, what is known well does not") {
+  for (const std::string leave : {"false", "true"}) {
+    CAPTURE(leave);
+    Filter filter({"estimator.degenerate_to_prior=" + leave, "estimator.degenerate_sigma=0.005"}, 3.0);
+    filter.build_map(1);
+    const Pose truth{Mat3::Identity(), Vec3(0.03, 0.02, 0.0)};
+    RoomWindow room(kRoomEpoch, kTenth, truth, 2, 6000);
+    // The wall ahead, and a little of the one beside: 0.02 m along the wall ahead, from a few points alone.
+    std::erase_if(room.fresh, [](const TimedPoint& p) {
+      const bool ahead = p.x > 3.9F && std::abs(p.y) < 2 && std::abs(p.z) < 1;
+      const bool beside = p.y > 2.9F && std::abs(p.x) < 0.3F && std::abs(p.z) < 0.3F;
+      return !ahead && !beside;
+    });
+    room.window.fresh = room.fresh;
+    const Update& update = filter.update(room);
+    REQUIRE(update.accepted);
+    REQUIRE(update.status == UpdateStatus::degenerate);
+    CHECK(std::abs(update.state.p.x() - 0.03) < 2e-3);
+    if (leave == "true") CHECK(std::abs(update.state.p.y()) < 2e-3);
+    if (leave == "false") CHECK(std::abs(update.state.p.y() - 0.02) < 5e-3);
+  }
+}
+
+TEST_CASE("dense_below: where few of the sampled points match, all points for the map are matched") {
+  for (const int below : {0, 2000}) {
+    CAPTURE(below);
+    Filter filter({"estimator.dense_below=" + std::to_string(below)});
+    filter.build_map(1);
+    filter.add_sampler("{type: budget, points: 100}");
+    const RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2, 1000);
+    const Update& update = filter.update(room);
+    REQUIRE(update.accepted);
+    CHECK((update.fresh_matches > 700) == (below > 0));
+    CHECK((update.fresh_matches <= 100) == (below == 0));
+    CHECK(update.points(Tap::match).size() == update.matches.size());
   }
 }

@@ -27,7 +27,7 @@ TEST_CASE("every registered sampler thins, and only ever clears bits") {
     REQUIRE(sampler);
     std::size_t cleared = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      test::Batch batch = test::random_batch(2000, seed, seed % 2 == 0 ? 1.0f : 120.0f, true);
+      test::Batch batch = test::random_batch(20000, seed, seed % 2 == 0 ? 1.0f : 120.0f, true);
       const auto before = batch.taps;
       SampleBatch view = batch.view();
       if (sampler->acts_on() == Sampler::ActsOn::raw) view.body = {};

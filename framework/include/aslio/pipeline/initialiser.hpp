@@ -27,8 +27,8 @@ struct Initialisation {
 };
 
 /// Tries to find the initial state at or after the first point. Nothing while the IMU data does not yet reach over
-/// `params.time`. Throws DataError when acceleration cannot be gravity in m/s^2 (|mean| outside [7, 13]), naming the
-/// factor.
+/// `params.time`. Throws DataError when acceleration cannot be gravity in m/s^2 (|mean| outside [7, 13] at rest, [3,
+/// 20] in motion), naming the factor.
 std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,
                                          const SensorModel& sensor);
 

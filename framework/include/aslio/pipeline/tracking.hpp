@@ -16,6 +16,8 @@ struct Divergence {
 /// Follows the health of a run from update to update. An update is refused when its step was not accepted.
 ///   initialising -> ok          with the first accepted update; -> lost when the map is still empty after max_silence
 ///   ok -> degraded              after a refused update; -> ok after kRecovered accepted ones in a row
+///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has such a bias, but a
+///                               filter that follows moving things or a wrong start explains its motion with one
 ///   degraded -> lost            after more than max_silence of refused updates (which also ends the run as diverged)
 class Tracking {
  public:
@@ -31,6 +33,7 @@ class Tracking {
   void diverge(TimeNs t, std::string reason);
 
   static constexpr int kRecovered = 5;
+  static constexpr double kMaxAccBias = 1.5;  // [m/s^2]
   double max_speed_;
   TimeNs max_silence_;
   TrackingStatus status_ = TrackingStatus::initialising;

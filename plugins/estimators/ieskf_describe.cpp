@@ -1,0 +1,54 @@
+#include "estimators/ieskf.hpp"
+
+namespace aslio::plugins {
+
+void Ieskf::describe(config::Binder& b, Params& p) {
+  b.choice("gravity", p.estimated.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
+           "what of gravity is estimated: its direction, all three components, or nothing");
+  b.choice("gyro_calibration", p.estimated.gyro_calibration,
+           {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
+           "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
+           "(0.5 %), too");
+  b.flag("time_offset", p.estimated.time_offset, "estimate the delay of the IMU (prior 3 ms)");
+  b.choice("deskew_correction", p.deskew_correction,
+           {{"rigid", DeskewCorrection::rigid},
+            {"linear", DeskewCorrection::linear},
+            {"asymptotic", DeskewCorrection::asymptotic},
+            {"state", DeskewCorrection::state}},
+           "how the correction reaches the points inside a window: all of it; in proportion to their time, in the rows "
+           "too; the same in the points only (AC-LIO); or de-skewed again with the rate, velocity and calibration of "
+           "the iterate, in the rows too");
+  b.choice("noise", p.noise,
+           {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
+           "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
+           "scale "
+           "factor and delay that grow with the turn rate");
+  b.choice(
+      "association", p.association,
+      {{"every_iteration", Association::every_iteration},
+       {"on_convergence", Association::on_convergence},
+       {"once", Association::once}},
+      "when neighbours are searched: at every iteration; again when a step has converged, until two have (FAST-LIO2); "
+      "or only at the predicted pose");
+  b.integer("max_iterations", p.max_iterations, "", {.min = 1, .max = 50}, "iterations at most");
+  b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one point-to-surface residual");
+  b.real("converged_m", p.converged_m, "m", {.above = 0, .max = 1},
+         "position step below which an iteration has converged");
+  b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10},
+         "attitude step below which an iteration has converged");
+  b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
+  b.integer("dense_below", p.dense_below, "", {.min = 0, .max = 1e6},
+            "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
+            "for it (0: never)");
+  b.real(
+      "degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
+      "an update whose weakest direction is known worse than this is marked degenerate (rotation at a 5 m lever arm)");
+  b.flag(
+      "degenerate_to_prior", p.degenerate_to_prior,
+      "leave directions that are known worse than degenerate_sigma to the prior: what clutter and moving things say of "
+      "them is not taken for evidence");
+  b.stage("motion", p.motion, "pose and covariance between updates");
+  b.stage("residual", p.residual, "what a match measures");
+}
+
+}  // namespace aslio::plugins
