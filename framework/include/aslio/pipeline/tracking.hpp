@@ -16,7 +16,8 @@ struct Divergence {
 /// Follows the health of a run from update to update. An update is refused when its step was not accepted.
 ///   initialising -> ok          with the first accepted update; -> lost when the map is still empty after max_silence
 ///   ok -> degraded              after a refused update; -> ok after kRecovered accepted ones in a row
-///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has such a bias, but a
+///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has such a bias,
+///   but a
 ///                               filter that follows moving things or a wrong start explains its motion with one
 ///   degraded -> lost            after more than max_silence of refused updates (which also ends the run as diverged)
 class Tracking {
