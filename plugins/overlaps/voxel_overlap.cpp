@@ -156,6 +156,17 @@ void VoxelOverlap::extend(std::span<const WorldPoint> points, TimeNs t) {
   advance(t);
 }
 
+void VoxelOverlap::clear() {
+  const std::size_t slices = waiting_.ended(kTimeMax);
+  waiting_.drop(slices);
+  merged_ += slices;
+  due_begin_ = due_end_ = merged_;
+  occupied_->clear();
+  due_->clear();
+  known_.clear();
+  trimmed_radius_ = -1;
+}
+
 void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
   const bool near = trimmed_radius_ == radius && (centre_W - trimmed_at_).norm() < kTrimStep * radius;
   if (!centre_W.allFinite() || near) return;

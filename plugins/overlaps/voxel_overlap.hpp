@@ -37,6 +37,7 @@ class VoxelOverlap : public OverlapMetric {
   void advance(TimeNs t) override;
   void extend(std::span<const WorldPoint> points, TimeNs t) override;
   void trim(const Vec3& centre_W, double radius) override;
+  void clear() override;
   std::size_t memory_bytes() const override;
 
  protected:

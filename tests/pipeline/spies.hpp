@@ -62,6 +62,7 @@ class OverlapSpy final : public OverlapMetric {
     inner_->extend(points, t);
   }
   void trim(const Vec3& centre_W, double radius) override { inner_->trim(centre_W, radius); }
+  void clear() override { inner_->clear(); }
   std::size_t memory_bytes() const override { return inner_->memory_bytes(); }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -41,7 +42,8 @@ std::string updates_header() {
   line += ",seg_time,shift_time_s,echo,iterations,n_matches";
   for (int i = 1; i <= 6; ++i) fmt::format_to(std::back_inserter(line), ",eig_{}", i);
   return line +
-         ",digest,extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,gyro_rms_rad_s\n";
+         ",digest,extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,gyro_rms_rad_s"
+         ",prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw\n";
 }
 
 std::string updates_line(const pipeline::UpdateRecord& record) {
@@ -63,7 +65,16 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
   fmt::format_to(out, ",{:016x},{},{},{},{},", record.digest, plan.extended ? 1 : 0, plan.partial ? 1 : 0,
                  record.update->fresh_matches, record.update->history_matches);
   if (solved) fmt::format_to(out, "{}", record.residual_rms);
-  fmt::format_to(out, ",{},{},{}\n", record.inserted.inserted, pipeline::name(record.tracking), record.gyro_rms);
+  fmt::format_to(out, ",{},{},{}", record.inserted.inserted, pipeline::name(record.tracking), record.gyro_rms);
+  const NavState& prior = record.update->prior;
+  const bool known = finite(prior);
+  Eigen::Quaterniond q(prior.R);
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  for (const double value : {prior.p.x(), prior.p.y(), prior.p.z(), q.x(), q.y(), q.z(), q.w()}) {
+    line += ',';
+    if (known) fmt::format_to(out, "{}", value);
+  }
+  line += '\n';
   return line;
 }
 

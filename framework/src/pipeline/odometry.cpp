@@ -87,7 +87,10 @@ class Odometry::Loop {
     }
     if (update.insert) {
       const CpuTimer timer(record.times.insert);
-      if (update.restart_map) map_->clear();
+      if (update.restart_map) {
+        map_->clear();
+        overlaps_->clear();
+      }
       const InsertCount inserted = insertion_->apply(window, update, *map_);
       record.inserted.offered += inserted.offered;
       record.inserted.inserted += inserted.inserted;

@@ -166,3 +166,15 @@ TEST_CASE("every overlap metric: trimming forgets what is far, keeps what is nea
     REQUIRE(metric->memory_bytes() < 2 * early);
   });
 }
+
+TEST_CASE("every overlap metric: after clear() it is as new") {
+  for_every_metric([](const auto& make) {
+    const auto used = make(), fresh = make();
+    for (TimeNs t = 1; t <= 3; ++t) used->extend(cloud(2000, 3.0, static_cast<std::uint64_t>(t)), t * kSecond);
+    REQUIRE(used->evaluate(cloud(1000, 3.0, 9), kLater).value.has_value());
+    used->clear();
+    REQUIRE_FALSE(used->evaluate(cloud(1000, 3.0, 9), kLater).value.has_value());
+    for (const auto& metric : {used.get(), fresh.get()}) metric->extend(cloud(2000, 3.0, 5), 2 * kLater);
+    require_same(used->evaluate(cloud(1000, 3.0, 9), 3 * kLater), fresh->evaluate(cloud(1000, 3.0, 9), 3 * kLater));
+  });
+}

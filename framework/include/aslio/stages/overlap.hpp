@@ -28,6 +28,8 @@ class OverlapMetric : public Stage {
   virtual void extend(std::span<const WorldPoint> points, TimeNs t) = 0;
   /// Forget what lies farther than `radius` [m] from `centre_W`; amortised, may keep up to one coarse cell more.
   virtual void trim(const Vec3& centre_W, double radius) = 0;
+  /// Forgets everything, as if nothing had been extended.
+  virtual void clear() = 0;
   virtual std::size_t memory_bytes() const = 0;
 };
 
