@@ -237,6 +237,15 @@ class Charts(unittest.TestCase):
         self.assertEqual(path.count("M"), 2)
         self.assertEqual(path.count("L"), 1)
 
+    def test_more_values_than_pixels_keep_their_peaks(self):
+        values = np.zeros(100000)
+        values[[123, 70000]] = 1, -1
+        chart = svg.chart("many", [svg.Panel("p", (-1, 1)).line("l", np.arange(100000), values)], (0, 100000), "t")
+        path = xml.fromstring(chart).find(".//{http://www.w3.org/2000/svg}path").get("d")
+        heights = [float(point.split(" ")[1]) for point in path[1:].split("L")]
+        self.assertLess(len(heights), svg.WIDTH)
+        self.assertAlmostEqual(max(heights) - min(heights), svg.PANEL)
+
 
 if __name__ == "__main__":
     unittest.main()

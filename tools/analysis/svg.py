@@ -41,8 +41,21 @@ class Panel:
         return low - margin, high + margin
 
 
+def visible(t, values, x):
+    """Indices of what a picture can show: of more than two values in a column of two pixels, the lowest and the highest."""
+    column = np.floor(np.array([x(at) for at in t]) / 2)
+    kept = []
+    for indices in np.split(np.arange(len(t)), np.flatnonzero(np.diff(column)) + 1):
+        if len(indices) > 2 and np.all(np.isfinite(values[indices])):
+            indices = sorted({indices[np.argmin(values[indices])], indices[np.argmax(values[indices])]})
+        kept.extend(indices)
+    return kept
+
+
 def strokes(t, values, x, y):
     """The `d` of a path, broken where a value is missing."""
+    shown = visible(t, values, x)
+    t, values = t[shown], values[shown]
     words, pen = [], "M"
     for at, value in zip(t, values):
         if math.isfinite(value):
