@@ -77,10 +77,10 @@ set terminal svg dynamic size 900,620 font 'sans,12' background rgb 'white'
 set output '{output}'
 set multiplot layout 3,1 margins 0.08,0.98,0.09,0.97 spacing 0.05
 set grid; unset key; set format x ''
-set ylabel 'gyro [rad/s]'; plot '{steps}' using 1:4 with lines lc rgb '#555555'
-set ylabel 'overlap'; set yrange [0:1.05]; plot '{steps}' using 1:3 with linespoints pt 7 ps 0.2 lc rgb '#0066aa'
+set ylabel 'gyro [rad/s]'; plot '{steps}' using 1:4 with lines lc rgb '#555555' notitle
+set ylabel 'overlap'; set yrange [0:1.05]; plot '{steps}' using 1:3 with lines lc rgb '#0066aa' notitle
 set ylabel 'update rate [Hz]'; set yrange [0:*]; set format x '%g'; set xlabel 'time [s]'
-plot '{steps}' using 1:2 with fsteps lc rgb '#aa3300'
+plot '{steps}' using 1:2 with fsteps lc rgb '#aa3300' notitle
 """
 
 
