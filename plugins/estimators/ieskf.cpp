@@ -276,8 +276,44 @@ void Ieskf::follow(const NavState& at) {
   }
 }
 
-void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
+/// All residuals at the iterate.
+Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySelection& past,
+                                 const StepContext& context) {
   constexpr double no_gate = std::numeric_limits<double>::infinity();
+  Evaluation sums;
+  sums.fresh = evaluate(fresh_, at, no_gate);
+  if (first && static_cast<std::int64_t>(sums.fresh.accepted) < params_.dense_below) {
+    // The less of the view is known, the more each known point counts.
+    frame_.match_all();
+    reserve(frame_.match_body().size(), past.points.size());
+    load_fresh();
+    associate(fresh_, at, context.map, 0xffffffff);
+    sums.fresh = evaluate(fresh_, at, no_gate);
+  }
+  sums.history = evaluate(history_, at, context.histories.gate(params_.sigma));
+  result_.fresh_matches = static_cast<std::uint32_t>(sums.fresh.accepted);
+  result_.history_matches = static_cast<std::uint32_t>(sums.history.accepted);
+  return sums;
+}
+
+/// The normal equations of fresh points, and of all with the history's weight.
+Ieskf::Normal Ieskf::assemble(const Evaluation& sums, double history_weight) const {
+  Normal normal;
+  observe(sums.fresh, normal.A_new, normal.b_all);
+  normal.A_all = normal.A_new;
+  normal.A_all.topLeftCorner<6, 6>() += history_weight * sums.history.A;
+  normal.b_all.head<6>() += history_weight * sums.history.b;
+  if (params_.degenerate_to_prior) {
+    SeenMatrix taken = SeenMatrix::Zero();
+    taken.topLeftCorner<6, 6>() = taken.bottomRightCorner<6, 6>() = leave_degenerate_out(sums.fresh.A);
+    normal.A_new = (taken * normal.A_new * taken.transpose()).eval();
+    normal.A_all = (taken * normal.A_all * taken.transpose()).eval();
+    normal.b_all = (taken * normal.b_all).eval();
+  }
+  return normal;
+}
+
+void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   const NavState prior = state_;
   NavState x = prior;
   bool search = true;
@@ -289,37 +325,13 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
       associate(history_, x, context.map, past.max_stamp);
     }
     const CpuTimer timer(result_.times.solve);
-    Evaluation sums;
-    sums.fresh = evaluate(fresh_, x, no_gate);
-    if (j == 0 && static_cast<std::int64_t>(sums.fresh.accepted) < params_.dense_below) {
-      // The less of the view is known, the more each known point counts.
-      frame_.match_all();
-      reserve(frame_.match_body().size(), past.points.size());
-      load_fresh();
-      associate(fresh_, x, context.map, 0xffffffff);
-      sums.fresh = evaluate(fresh_, x, no_gate);
-    }
-    sums.history = evaluate(history_, x, context.histories.gate(params_.sigma));
+    const Evaluation sums = measure(x, j == 0, past, context);
     result_.iterations = j + 1;
-    result_.fresh_matches = static_cast<std::uint32_t>(sums.fresh.accepted);
-    result_.history_matches = static_cast<std::uint32_t>(sums.history.accepted);
     if (static_cast<std::int64_t>(sums.fresh.accepted) < params_.min_matches) return refuse(UpdateStatus::few_matches);
-
-    const double weight = context.histories.weight(sums.fresh.accepted, sums.history.accepted);
-    SeenMatrix A_all;
-    SeenVector b_all;
-    observe(sums.fresh, A_all, b_all);
-    A_all.topLeftCorner<6, 6>() += weight * sums.history.A;
-    b_all.head<6>() += weight * sums.history.b;
-    SeenMatrix taken = SeenMatrix::Identity();
-    if (params_.degenerate_to_prior) {
-      taken.topLeftCorner<6, 6>() = taken.bottomRightCorner<6, 6>() = leave_degenerate_out(sums.fresh.A);
-      A_all = (taken * A_all * taken.transpose()).eval();
-      b_all = (taken * b_all).eval();
-    }
+    const Normal normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
-    const StateVector delta = iteration_step<kSeenDim>(P, seen_, A_all, b_all, d);
+    const StateVector delta = iteration_step<kSeenDim>(P, seen_, normal.A_all, normal.b_all, d);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
     x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);
     follow(x);
@@ -334,7 +346,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
       // way.
       const bool settled = turn < 10 * params_.converged_deg && shift < 10 * params_.converged_m;
       result_.status = settled ? UpdateStatus::ok : UpdateStatus::not_converged;
-      return accept(x, P, sums, taken, A_all, past);
+      return accept(x, P, sums, normal, past);
     }
     search = params_.association == Association::every_iteration ||
              (params_.association == Association::on_convergence && converged);
@@ -342,12 +354,8 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
 }
 
 void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
-                   const SeenMatrix& taken, const SeenMatrix& A_all, const HistorySelection& past) {
-  SeenMatrix A_seen;
-  SeenVector unused;
-  observe(last.fresh, A_seen, unused);
-  if (params_.degenerate_to_prior) A_seen = (taken * A_seen * taken.transpose()).eval();
-  const StateMatrix P = posterior_covariance<kSeenDim>(P_iterate, seen_, A_seen, A_all, past.covariance);
+                   const Normal& normal, const HistorySelection& past) {
+  const StateMatrix P = posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
   const Vec6 scale = direction_scale();
@@ -453,7 +461,7 @@ void Ieskf::finish() {
   frame_.place(trajectory_);
   records_.assign(fresh_.body.size(), MatchRecord{});
   if (result_.accepted) {
-    const PoseInformation sum = evaluate(fresh_, state_, std::numeric_limits<double>::infinity());
+    const WindowInformation sum = evaluate(fresh_, state_, std::numeric_limits<double>::infinity());
     const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
     for (std::size_t row = 0; row < fresh_.rows.size(); ++row) {
       const ResidualRow& z = fresh_.rows[row];

@@ -77,6 +77,11 @@ class Ieskf final : public Estimator {
   };
   using SeenMatrix = Eigen::Matrix<double, kSeenDim, kSeenDim>;
   using SeenVector = Eigen::Matrix<double, kSeenDim, 1>;
+  /// Normal equations of what the points see: of fresh residuals, and of all with the history weighted.
+  struct Normal {
+    SeenMatrix A_new, A_all;
+    SeenVector b_all;
+  };
 
   void find_velocity_alone();
   void propagate(const Window& window);
@@ -91,8 +96,10 @@ class Ieskf final : public Estimator {
   void load_fresh();
   void retrace(const NavState& at);
   void follow(const NavState& at);
-  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const SeenMatrix& taken,
-              const SeenMatrix& A_all, const HistorySelection& past);
+  Evaluation measure(const NavState& at, bool first, const HistorySelection& past, const StepContext& context);
+  Normal assemble(const Evaluation& sums, double history_weight) const;
+  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Normal& normal,
+              const HistorySelection& past);
   void refuse(UpdateStatus status);
   bool dead_reckoning_is_good() const;
   void finish();

@@ -18,6 +18,10 @@ constexpr double kLeastAspect = 9;
 /// Growth of the count that is worth a new fit.
 constexpr double kRefit = 1.1;
 
+/// Of the grid against the origin, in voxels: walls stand at round numbers, and a wall in the face between two voxels
+/// has half of its points in each.
+const Vec3 kOffset(0.137, 0.223, 0.311);
+
 /// Which of eight halves `p` lies in, about the corner `low` with the half edge `half`; moves `low` to its corner.
 std::uint32_t descend(const Eigen::Vector3f& p, float half, Eigen::Vector3f& low) {
   std::uint32_t octant = 0;
@@ -47,6 +51,14 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
 
+std::optional<VoxelCell> VoxelPlane::voxel_of(const Vec3& p_W) const {
+  return cell_of(p_W + params_.voxel * kOffset, 1.0 / params_.voxel);
+}
+
+Vec3 VoxelPlane::corner(const VoxelCell& cell) const {
+  return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - kOffset);
+}
+
 void VoxelPlane::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
   out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
   std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
@@ -59,7 +71,7 @@ void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, 
 }
 
 Surface VoxelPlane::surface(const Vec3& query, std::uint32_t max_stamp) const {
-  const auto cell = cell_of(query, 1.0 / params_.voxel);
+  const auto cell = voxel_of(query);
   const std::uint32_t root = cell ? index_.find(pack(*cell)) : kNone;
   if (root == kNone) return {};
   const Vec3 origin = corner(*cell);
@@ -85,7 +97,7 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
   VoxelCell last;
   std::uint32_t root = kNone;
   for (const WorldPoint& point : points) {
-    const auto cell = cell_of(point.p_W, 1.0 / params_.voxel);
+    const auto cell = voxel_of(point.p_W);
     if (!cell) continue;  // not finite, or beyond all cells
     if (root == kNone || *cell != last) root = root_at(last = *cell);
     count.inserted += add(root, (point.p_W - corner(*cell)).cast<float>()) ? 1U : 0U;

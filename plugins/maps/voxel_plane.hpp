@@ -66,7 +66,8 @@ class VoxelPlane final : public Map {
     std::uint32_t root, node;  ///< node: kNone for that of the root itself
   };
 
-  Vec3 corner(const VoxelCell& cell) const { return params_.voxel * Vec3(cell.x, cell.y, cell.z); }
+  std::optional<VoxelCell> voxel_of(const Vec3& p_W) const;
+  Vec3 corner(const VoxelCell& cell) const;
   std::uint32_t root_at(const VoxelCell& cell);
   std::uint32_t take_children();
   void give_back(const Node& node);

@@ -47,7 +47,7 @@ double error_at_end(const Run& run, const simulator::AnalyticWorld& world) {
 
 }  // namespace
 
-TEST_CASE("covered lens: 0.6 s degrade the run, five good updates make it whole; more than a second ends it") {
+TEST_CASE("covered lens: 0.6 s degrade the run, five good updates make it whole, more than a second ends it") {
   const simulator::AnalyticWorld world({.seed = 3});
   const auto source = world.source();
   const TimeNs begin = world.begin_time();

@@ -178,7 +178,7 @@ TEST_CASE("empty and one-point scans are delivered, zero times are refused") {
   CHECK(drain(*open_source(folder / "b.bag", lenient)).points == 200);
 }
 
-TEST_CASE("malformed messages are skipped and counted; a malformed first one is refused") {
+TEST_CASE("malformed messages are skipped and counted, a malformed first one is refused") {
   TemporaryFolder folder;
   const auto claims_more = [](TimeNs stamp) {
     auto bytes = livox_message(stamp, stamp, 20);

@@ -52,7 +52,7 @@ TEST_CASE("the meter sees both new and the malloc of Eigen") {
   delete one;
 }
 
-TEST_CASE("no allocation in window, update and overlap after two seconds; map growth is amortised") {
+TEST_CASE("no allocation in window, update and overlap after two seconds, map growth is amortised") {
   const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
   CAPTURE(name);
   // Twice the usual speed: turns of 560 deg/s, rates up to the highest.

@@ -46,15 +46,15 @@ double worst_vertical(const Run& run, const simulator::AnalyticWorld& world) {
 
 }  // namespace
 
-TEST_CASE("both pipelines follow the walk; the adaptive one updates faster in sharp turns and not at rest") {
+TEST_CASE("both pipelines follow the walk, the adaptive one updates faster in sharp turns and not at rest") {
   const World w({.seed = 2});
-  // Measured: as_lio 0.008 m, 0.17 deg, 0.021 m at the end; fixed_window 0.036 m, 0.55 deg, 0.039 m. The bounds leave
-  // a factor of two, three for as_lio's 8 mm: other phases of the stride give 0.008 to 0.011 m.
+  // Measured: as_lio 0.027 m, 0.43 deg (the worst of seeds 1 to 6, which have 0.004 to 0.027 m). The bounds leave half
+  // of that, and fixed_window what it had with the map of points.
   struct Bound {
     const char* name;
     double ate, ate_deg, end;
   };
-  for (const Bound& bound : {Bound{"as_lio", 0.025, 0.55, 0.045}, Bound{"fixed_window", 0.075, 1.1, 0.08}}) {
+  for (const Bound& bound : {Bound{"as_lio", 0.040, 0.65, 0.045}, Bound{"fixed_window", 0.075, 1.1, 0.08}}) {
     Run run(shipped(bound.name), w.world.sensor());
     run.play(w.recording);
     CAPTURE(bound.name);

@@ -69,6 +69,7 @@ class HouseRules(unittest.TestCase):
         self.assert_breaks("suppression", "plugins/maps/a.cpp", "int a;  // NOLINT\n")
         self.assert_clean("plugins/maps/a.cpp", "int a;  // NOLINT(some-check): the reason\n")
         self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE("x", "[.]") {}\n')
+        self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE("x; y") {}\n')
 
     def test_schema(self):
         self.assert_breaks("schema", "configs/pipelines/a.yaml", "window: {}\n")

@@ -167,7 +167,7 @@ TEST_CASE("what reaches back over the start is not late, whenever it comes") {
   CHECK(stream.counters().points == 3);
 }
 
-TEST_CASE("one or two packets from another time do no harm; a third that agrees ends the run with a reason") {
+TEST_CASE("one or two packets from another time do no harm, a third that agrees ends the run with a reason") {
   for (const TimeNs jump : {-10 * kSecond, 3600 * kSecond}) {
     MeasurementStream stream;
     const TimeNs step = kSecond / 10;

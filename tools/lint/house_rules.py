@@ -147,7 +147,9 @@ def no_unordered_iteration(sources):
 
 
 def no_test_that_cannot_fail(sources):
-    return matching(sources, r"\bSUCCEED\s*\(|TEST_CASE\s*\(.*\[\.|REQUIRE\s*\(\s*true\s*\)|CHECK\s*\(\s*true\s*\)", "tests")
+    # A semicolon ends the name that ctest hands over: no test has the rest, none runs, and that passes.
+    yield from matching(sources, r'TEST_CASE\s*\(\s*"[^"]*;', "tests")
+    yield from matching(sources, r"\bSUCCEED\s*\(|TEST_CASE\s*\(.*\[\.|REQUIRE\s*\(\s*true\s*\)|CHECK\s*\(\s*true\s*\)", "tests")
 
 
 def files_of_one_purpose(sources):

@@ -271,7 +271,7 @@ TEST_CASE("a window without IMU data keeps the state and its covariance") {
   CHECK(update.status == UpdateStatus::ok);
 }
 
-TEST_CASE("attitude noise over a window: the density times its length, at any IMU rate; more in turns when so chosen") {
+TEST_CASE("attitude noise over a window: the density times its length, at any IMU rate, more in turns when so chosen") {
   // eqs. MOT-3, MOT-5. The map is empty, so that the covariance is the predicted one.
   const auto growth = [](const char* noise, std::size_t every, double rate) {
     Filter filter({std::string("estimator.noise=") + noise}, 0.01, true);

@@ -83,7 +83,7 @@ TEST_CASE("the iteration step equals the textbook Kalman step") {
   CHECK((actual - expected).norm() < 1e-9);
 }
 
-TEST_CASE("posterior covariance: without history every rule gives (I - KH) P; singular information is no problem") {
+TEST_CASE("posterior covariance: without history every rule gives (I - KH) P, singular information is no problem") {
   const StateMatrix P = some_covariance(1.0);
   for (const int n : {40, 2, 0}) {
     const Rows rows = some_rows(n, 0.1, Mat3::Identity());

@@ -9,13 +9,14 @@ using namespace aslio::test;
 namespace {
 
 struct Planes {
-  explicit Planes(const std::string& text) : map(fixture.make(text)) {}
-  /// Points of z = height over [low, high] x [0, 1].
+  explicit Planes(const std::string& text, double voxel = 1.0)
+      : corner(-voxel * Vec3(0.137, 0.223, 0.311)), map(fixture.make(text)) {}
+  /// Points of z = height over [low, high] x [0, 1], from the corner of a voxel.
   std::size_t floor(double low, double high, double height, int count, std::uint32_t stamp = 1, double noise = 0.0) {
     std::vector<WorldPoint> points;
     for (int i = 0; i < count; ++i) {
       const double x = uniform(low, high), y = uniform(0, 1);
-      points.push_back(at({x, y, height + uniform(-noise, noise)}));
+      points.push_back(at(corner + Vec3(x, y, height + uniform(-noise, noise))));
     }
     return map->insert(points, stamp).inserted;
   }
@@ -23,9 +24,11 @@ struct Planes {
     MapQuery query;
     query.max_stamp = max_stamp;
     std::vector<Surface> found(1);
-    map->surfaces(std::vector<Vec3>{p}, query, found);
+    map->surfaces(std::vector<Vec3>{corner + p}, query, found);
+    found[0].anchor -= corner;
     return found[0];
   }
+  Vec3 corner;
   EveryMap fixture;
   Uniform uniform{1};
   std::unique_ptr<Map> map;
@@ -88,7 +91,7 @@ TEST_CASE("voxel_plane: a plane counts less the fewer points it has, and beyond 
 }
 
 TEST_CASE("voxel_plane: what is trimmed is forgotten, and its memory used again") {
-  Planes planes("{type: voxel_plane, voxel: 0.5, levels: 3, radius: 5}");
+  Planes planes("{type: voxel_plane, voxel: 0.5, levels: 3, radius: 5}", 0.5);
   planes.floor(0, 1, 0.2, 2000);
   REQUIRE(planes.at_point({0.5, 0.5, 0.2}).valid);
   const std::size_t bytes = planes.map->memory_bytes();

@@ -57,7 +57,7 @@ double mean_score(OverlapMetric& metric, int shift_ms) {
 
 }  // namespace
 
-TEST_CASE("a turn at a constant rate asks for the same number of segments whatever the shift; without delay for few") {
+TEST_CASE("a turn at a constant rate asks for the same number of segments whatever the shift, without delay for few") {
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   test::BuildEnvironment environment;

@@ -57,7 +57,7 @@ void for_every_metric(F&& check) {
 
 }  // namespace
 
-TEST_CASE("every overlap metric: invariants while the map grows; adding to it never lowers a score") {
+TEST_CASE("every overlap metric: invariants while the map grows, adding to it never lowers a score") {
   for_every_metric([](auto make) {
     const auto metric = make();
     const auto frame = cloud(3000, 1.0, 1);

@@ -86,7 +86,7 @@ TEST_CASE("cells are floors: around the origin no voxel is of double size") {
   }
 }
 
-TEST_CASE("a margin of no weight equals the hard overlap; any weight is no less") {
+TEST_CASE("a margin of no weight equals the hard overlap, any weight is no less") {
   test::BuildEnvironment environment;
   auto none = plain<SoftVoxel::Params>();
   none.beta = SoftVoxel::Beta::list;
@@ -113,7 +113,7 @@ TEST_CASE("a margin of no weight equals the hard overlap; any weight is no less"
   }
 }
 
-TEST_CASE("weights: linear, geometric, listed; a margin in metres") {
+TEST_CASE("weights: linear, geometric, listed, a margin in metres") {
   SoftVoxel::Params params;
   REQUIRE(SoftVoxel::weights(params) == std::vector<double>{1.0, 0.75, 0.5, 0.25});
   params.beta = SoftVoxel::Beta::geometric;

@@ -100,7 +100,7 @@ TEST_CASE("points come at 240 kHz in firings of six, inside the field of view an
   }
 }
 
-TEST_CASE("same options, same bits; another seed, other noise; one noise does not disturb the other") {
+TEST_CASE("same options, same bits, another seed, other noise, one noise does not disturb the other") {
   Options options;
   const AnalyticWorld a(options), b(options);
   options.seed = 2;

@@ -170,7 +170,7 @@ TEST_CASE("rings of the spinning sensors lie at their elevations and turn ten ti
   }
 }
 
-TEST_CASE("beams of every sensor are right-handed orthonormal frames; periods divide a tenth of a second") {
+TEST_CASE("beams of every sensor are right-handed orthonormal frames, periods divide a tenth of a second") {
   for (const SensorKind kind : kKinds) {
     CAPTURE(facts(kind).name);
     const auto pattern = make_scan_pattern(kind);
