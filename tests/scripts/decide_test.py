@@ -65,7 +65,7 @@ class Verdicts(StudyCase):
 
     def test_table_1_holds_with_eight_of_nine(self):
         runs = [(s, seed, m, v) for i, s in enumerate(NINE) for seed in (1, 2)
-                for m, v in (("fixed_10", 0.1), ("as_lio", 0.2 if i == 0 else 0.05), ("as_lio_125", 0.3))]
+                for m, v in (("fixed_10", 0.1), ("as_lio", 0.2 if i == 0 else 0.05), ("as_lio_literal", 0.3))]
         self.study("table_1", runs)
         code, out = self.decide()
         self.assertEqual(code, 0)
@@ -159,8 +159,9 @@ class Verdicts(StudyCase):
     def test_every_shipped_rule_is_there(self):
         experiments = decide.rules.__file__.rsplit("/tools/", 1)[0] + "/experiments"
         names = {path.stem for path in type(self.root)(experiments).glob("*.yaml")}
+        # Those of the overlap degree have scripts of their own.
+        self.assertEqual(names - set(decide.RULES), {"sod_against_imu", "sod_voxel_size"})
         self.assertEqual(set(decide.RULES) - names, set())
-        self.assertTrue(names)
 
     def test_runs_of_different_pipelines_are_told(self):
         self.study("mine", [("a", seed, m, 0.1) for seed in (1, 2) for m in ("x", "y")])

@@ -17,7 +17,7 @@ from report import Report
 from study_folder import FolderError, Study
 
 RULES = {name: getattr(rules, name) for name in (
-    "quickstart", "table_1", "ideal_imu", "window_ablation", "yoked", "equal_points", "compute_saving", "dynamic_people",
+    "quickstart", "table_1", "adaptivity", "ideal_imu", "window_ablation", "yoked", "equal_points", "compute_saving", "dynamic_people",
     "doorway_360", "echo", "history_ablation", "insertion_ablation", "map_ablation", "imu_rate_sweep", "seg_step",
     "history_by_noise")}
 RULES.update(degenerate_garage=garage.degenerate_garage, why=mechanism.why)
