@@ -26,7 +26,9 @@ ROOMS = {
     "pipeline": {"core", "config", "exec", "plugin", "stages", "stream", "pipeline"},
     "io": {"core", "config", "exec", "io"},
     "evaluation": {"core", "evaluation"},
-    "experiment": {"core", "config", "exec", "plugin", "stages", "stream", "pipeline", "io", "evaluation", "experiment"},
+    "statistics": {"core", "statistics"},
+    "experiment": {"core", "config", "exec", "plugin", "stages", "stream", "pipeline", "io", "evaluation", "statistics",
+                   "experiment"},
 }
 PLUGIN_MAY = {"core", "stages", "config", "exec"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]')

@@ -13,7 +13,6 @@
 #include <memory>
 
 #include "aslio/core/errors.hpp"
-#include "aslio/io/writers.hpp"
 #include "study_process.hpp"
 #include "study_store.hpp"
 
@@ -30,12 +29,6 @@ constexpr double kSimulationLimit = 86400;  // [s]
 constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C itself
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-void write_file(const fs::path& path, const std::string& text) {
-  io::AtomicFile file(path);
-  file.write(text);
-  file.close();
-}
 
 /// First complaint in a log; empty when there is none.
 std::string complaint(const fs::path& log) {
@@ -300,7 +293,8 @@ class Schedule {
     const std::size_t d = result_.runs[i].data;
     if (--data_[d].left > 0) return;
     store_.release(study_.data[d]);
-    write_tables();
+    // Tables of many runs take a while: at most a hundredth of the time goes there.
+    if (seconds_since(written_) > 100 * writing_s_) write_tables();
   }
 
   /// "[3/90] indoor_1_3/as_lio: ok, ate_m 0.0312, 14.2 s; 0:14:20 left".
@@ -320,9 +314,11 @@ class Schedule {
     monitor_.on_line(line);
   }
 
-  void write_tables() const {
-    write_file(options_.output / "results.csv", results_csv(study_, result_.runs, result_.rows));
-    write_file(options_.output / "table.md", results_markdown(study_, result_.runs, result_.rows));
+  void write_tables() {
+    const auto begin = Clock::now();
+    write_study_tables(study_, result_.runs, result_.rows, options_.output);
+    written_ = Clock::now();
+    writing_s_ = seconds_since(begin);
   }
 
   const Study& study_;
@@ -335,7 +331,8 @@ class Schedule {
   std::vector<RunState> states_;
   std::vector<Active> active_;
   std::size_t total_ = 0, done_ = 0;  ///< runs of this call
-  Clock::time_point start_ = Clock::now(), stopped_;
+  Clock::time_point start_ = Clock::now(), stopped_, written_;
+  double writing_s_ = 0;  ///< the tables took so long last time
 };
 
 }  // namespace

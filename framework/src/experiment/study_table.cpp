@@ -2,61 +2,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
-#include <limits>
 
 #include "aslio/experiment/study_results.hpp"
+#include "aslio/experiment/study_statistics.hpp"
+#include "aslio/io/writers.hpp"
 
 namespace aslio::experiment {
 
 namespace {
 
-constexpr double kFailed = std::numeric_limits<double>::infinity();
-constexpr std::array<std::string_view, 6> kSmallerIsBetter = {"ate_m",        "ate_deg",     "rpe",
-                                                              "end_to_end_m", "cpu_s_per_s", "peak_rss_mb"};
-
-bool comparable(const std::string& metric) {
-  return std::find(kSmallerIsBetter.begin(), kSmallerIsBetter.end(), metric) != kSmallerIsBetter.end();
-}
-
-/// Replicates of one method on one sequence. A failure counts as worse than any figure: it is never left out.
-struct Replicates {
-  std::vector<double> values;  ///< of all runs with a figure or a failure, sorted; failures are infinite
-  std::size_t failed = 0;
-
-  /// Nothing when there is no run; infinite when a middle value is a failure.
-  std::optional<double> median() const {
-    if (values.empty()) return std::nullopt;
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-  }
-};
-
-struct Tally {
-  int won = 0, lost = 0, tied = 0;
-
-  void count(double value, double baseline) {
-    if (value < baseline) {
-      ++won;
-    } else if (value > baseline) {
-      ++lost;
-    } else {
-      ++tied;
-    }
-  }
-};
-
 class Tables {
  public:
   Tables(const Study& study, const std::vector<StudyRun>& runs, const std::vector<std::optional<StudyRow>>& rows)
-      : study_(study), runs_(runs), rows_(rows) {
-    for (const StudyData& data : study.data) {
-      if (std::find(sequences_.begin(), sequences_.end(), data.sequence) == sequences_.end()) {
-        sequences_.push_back(data.sequence);
-      }
-    }
-  }
+      : study_(study), runs_(runs), rows_(rows), figures_(study, runs, rows) {}
 
   std::string text() const {
     const StudyConfig& config = study_.config;
@@ -72,9 +31,9 @@ class Tables {
                    done, runs_.size());
     for (const std::string& metric : config.metrics) {
       text += metric_table(metric);
-      if (comparable(metric)) text += comparison(metric);
+      text += comparison(metric);
     }
-    return text + failures();
+    return text + identical() + failures();
   }
 
  private:
@@ -85,29 +44,10 @@ class Tables {
     return text;
   }
 
-  /// Figure of a run; infinite for a failure, nothing when the run or the figure is not there.
-  std::optional<double> value(std::size_t run, const std::string& metric) const {
-    if (!rows_[run]) return std::nullopt;
-    return rows_[run]->good() ? rows_[run]->figure(metric) : std::optional(kFailed);
-  }
-
-  Replicates replicates(const std::string& sequence, std::size_t method, const std::string& metric) const {
-    Replicates out;
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      if (runs_[i].method != method || study_.data[runs_[i].data].sequence != sequence) continue;
-      if (const auto v = value(i, metric)) {
-        out.values.push_back(*v);
-        if (*v == kFailed) ++out.failed;
-      }
-    }
-    std::sort(out.values.begin(), out.values.end());
-    return out;
-  }
-
   static std::string cell(const Replicates& r) {
     const auto median = r.median();
     if (!median) return "-";
-    std::string text = *median == kFailed ? "x" : fmt::format("{:.4g}", *median);
+    std::string text = *median == kFailedFigure ? "x" : fmt::format("{:.4g}", *median);
     const std::size_t good = r.values.size() - r.failed;
     if (good > 0 && r.values.size() > 1) text += fmt::format(" ({:.4g}-{:.4g})", r.values[0], r.values[good - 1]);
     if (r.failed > 0 && r.values.size() > 1) text += fmt::format(" {}x", r.failed);
@@ -121,50 +61,57 @@ class Tables {
     text += "\n|---|";
     for (std::size_t m = 0; m < study_.methods.size(); ++m) text += "---|";
     text += '\n';
-    for (const std::string& sequence : sequences_) {
-      fmt::format_to(out, "| {} |", sequence);
+    for (std::size_t s = 0; s < figures_.sequences().size(); ++s) {
+      fmt::format_to(out, "| {} |", figures_.sequences()[s]);
       for (std::size_t m = 0; m < study_.methods.size(); ++m) {
-        fmt::format_to(out, " {} |", cell(replicates(sequence, m, metric)));
+        fmt::format_to(out, " {} |", cell(figures_.replicates(s, m, metric)));
       }
       text += '\n';
     }
     return text;
   }
 
-  Tally by_sequence(std::size_t method, std::size_t baseline, const std::string& metric) const {
-    Tally tally;
-    for (const std::string& sequence : sequences_) {
-      const auto a = replicates(sequence, method, metric).median(), b = replicates(sequence, baseline, metric).median();
-      if (a && b) tally.count(*a, *b);
-    }
-    return tally;
+  /// "0.831 (0.79-0.88)"; failures as x.
+  static std::string ratio_text(const Comparison& c) {
+    const auto number = [](double v) { return v == kFailedFigure ? std::string("x") : fmt::format("{:.3g}", v); };
+    if (!c.ratio) return "-";
+    std::string text = number(*c.ratio);
+    if (c.interval) text += fmt::format(" ({}-{})", number(c.interval->low), number(c.interval->high));
+    return text;
   }
 
-  Tally by_pair(std::size_t method, std::size_t baseline, const std::string& metric) const {
-    Tally tally;
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      if (runs_[i].method != method) continue;
-      // The runs over the same data with the same order seed stand together, by method.
-      const auto a = value(i, metric), b = value(i - method + baseline, metric);
-      if (a && b) tally.count(*a, *b);
-    }
-    return tally;
+  static std::string p_text(const std::optional<double>& p) {
+    if (!p) return "-";
+    return *p < 0.001 ? std::string("< 0.001") : fmt::format("{:.3f}", *p);
   }
 
   std::string comparison(const std::string& metric) const {
     std::string text;
     const auto out = std::back_inserter(text);
-    for (std::size_t m = 0; m < study_.methods.size(); ++m) {
-      if (!study_.baseline[m]) continue;
-      const Tally s = by_sequence(m, *study_.baseline[m], metric), p = by_pair(m, *study_.baseline[m], metric);
-      fmt::format_to(out, "| {} | {} | {} / {} / {} | {} / {} / {} |\n", study_.methods[m].name,
-                     study_.methods[*study_.baseline[m]].name, s.won, s.lost, s.tied, p.won, p.lost, p.tied);
+    for (const Comparison& c : figures_.comparisons(metric)) {
+      fmt::format_to(out, "| {} | {} | {} / {} / {} | {} / {} / {} | {} | {} | {} | {} |\n",
+                     study_.methods[c.method].name, study_.methods[c.baseline].name, c.sequences.won, c.sequences.lost,
+                     c.sequences.tied, c.pairs.won, c.pairs.lost, c.pairs.tied, ratio_text(c),
+                     c.effect ? fmt::format("{:+.2f}", *c.effect) : "-", p_text(c.p), p_text(c.p_holm));
     }
     if (text.empty()) return text;
     return fmt::format(
-        "\nWon / lost / tied against the baseline, smaller is better: sequences by their medians, and pairs of runs "
-        "over the same data.\n\n| method | baseline | sequences | pairs |\n|---|---|---|---|\n{}",
+        "\nAgainst the baseline, smaller is better. Won / lost / tied: sequences by their medians, and pairs of runs "
+        "over the same data. Ratio: median over the pairs, with the 95 % interval of a bootstrap clustered by "
+        "sequence, "
+        "from 5 pairs on. Effect: rank-biserial correlation, -1 is below the baseline throughout. p: Wilcoxon's "
+        "signed-rank test, from 6 pairs on, and with Holm's correction for the lines of this table.\n\n"
+        "| method | baseline | sequences | pairs | ratio | effect | p | p (Holm) "
+        "|\n|---|---|---|---|---|---|---|---|\n{}",
         text);
+  }
+
+  std::string identical() const {
+    std::string text;
+    for (const IdenticalMethods& same : identical_methods(study_, runs_, rows_)) {
+      text += fmt::format("- {}\n", identical_text(study_, same));
+    }
+    return text.empty() ? text : "\n## Identical results\n\n" + text;
   }
 
   std::string failures() const {
@@ -183,7 +130,7 @@ class Tables {
   const Study& study_;
   const std::vector<StudyRun>& runs_;
   const std::vector<std::optional<StudyRow>>& rows_;
-  std::vector<std::string> sequences_;
+  StudyFigures figures_;
 };
 
 }  // namespace
@@ -191,6 +138,18 @@ class Tables {
 std::string results_markdown(const Study& study, const std::vector<StudyRun>& runs,
                              const std::vector<std::optional<StudyRow>>& rows) {
   return Tables(study, runs, rows).text();
+}
+
+void write_study_tables(const Study& study, const std::vector<StudyRun>& runs,
+                        const std::vector<std::optional<StudyRow>>& rows, const std::filesystem::path& output) {
+  const auto write = [&](const char* name, const std::string& text) {
+    io::AtomicFile file(output / name);
+    file.write(text);
+    file.close();
+  };
+  write("results.csv", results_csv(study, runs, rows));
+  write("statistics.csv", statistics_csv(study, StudyFigures(study, runs, rows)));
+  write("table.md", results_markdown(study, runs, rows));
 }
 
 }  // namespace aslio::experiment

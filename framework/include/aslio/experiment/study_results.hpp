@@ -47,4 +47,8 @@ std::string results_csv(const Study& study, const std::vector<StudyRun>& runs,
 std::string results_markdown(const Study& study, const std::vector<StudyRun>& runs,
                              const std::vector<std::optional<StudyRow>>& rows);
 
+/// Writes results.csv, statistics.csv (study_statistics.hpp) and table.md. Throws DataError.
+void write_study_tables(const Study& study, const std::vector<StudyRun>& runs,
+                        const std::vector<std::optional<StudyRow>>& rows, const std::filesystem::path& output);
+
 }  // namespace aslio::experiment

@@ -1,0 +1,200 @@
+#include "aslio/experiment/study_statistics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+
+#include "aslio/core/sha256.hpp"
+#include "aslio/statistics/order.hpp"
+#include "aslio/statistics/signed_rank.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+constexpr std::array<std::string_view, 6> kSmallerIsBetter = {"ate_m",        "ate_deg",     "rpe",
+                                                              "end_to_end_m", "cpu_s_per_s", "peak_rss_mb"};
+/// Figures that differ between two runs of the same thing.
+constexpr std::array<std::string_view, 2> kMeasured = {"cpu_s_per_s", "peak_rss_mb"};
+
+/// Of figures from 0 to infinity; 1 for two that are equal, two failures among them.
+double ratio_of(double value, double baseline) {
+  if (value == baseline) return 1;
+  if (baseline == 0) return kFailedFigure;
+  return baseline == kFailedFigure ? 0 : value / baseline;
+}
+
+std::string text_of(const std::optional<double>& value) { return value ? fmt::to_string(*value) : std::string(); }
+
+/// Digest of what a run came to; empty when there is nothing to compare.
+std::string digest_of(const std::optional<StudyRow>& row) {
+  if (!row || !row->good()) return {};
+  std::string text;
+  for (const auto& [name, value] : row->figures) {
+    if (std::find(kMeasured.begin(), kMeasured.end(), name) == kMeasured.end()) {
+      text += fmt::format("{}={}\n", name, value);
+    }
+  }
+  return text.empty() ? text : sha256_of(text);
+}
+
+}  // namespace
+
+bool smaller_is_better(std::string_view metric) {
+  return std::find(kSmallerIsBetter.begin(), kSmallerIsBetter.end(), metric) != kSmallerIsBetter.end();
+}
+
+std::optional<double> Replicates::median() const { return statistics::quantile_of_sorted(values, 0.5); }
+
+void Tally::count(double value, double baseline) {
+  if (value < baseline) {
+    ++won;
+  } else if (value > baseline) {
+    ++lost;
+  } else {
+    ++tied;
+  }
+}
+
+StudyFigures::StudyFigures(const Study& study, const std::vector<StudyRun>& runs,
+                           const std::vector<std::optional<StudyRow>>& rows)
+    : study_(study), runs_(runs), rows_(rows) {
+  std::vector<std::size_t> sequence_of;
+  for (const StudyData& data : study.data) {
+    const auto at = std::find(sequences_.begin(), sequences_.end(), data.sequence);
+    sequence_of.push_back(static_cast<std::size_t>(at - sequences_.begin()));
+    if (at == sequences_.end()) sequences_.push_back(data.sequence);
+  }
+  runs_of_.assign(sequences_.size(), std::vector<std::vector<std::size_t>>(study.methods.size()));
+  for (std::size_t i = 0; i < runs.size(); ++i) runs_of_[sequence_of[runs[i].data]][runs[i].method].push_back(i);
+}
+
+std::optional<double> StudyFigures::value(std::size_t run, const std::string& metric) const {
+  if (!rows_[run]) return std::nullopt;
+  return rows_[run]->good() ? rows_[run]->figure(metric) : std::optional(kFailedFigure);
+}
+
+Replicates StudyFigures::replicates(std::size_t sequence, std::size_t method, const std::string& metric) const {
+  Replicates out;
+  for (const std::size_t run : runs_of_[sequence][method]) {
+    const auto v = value(run, metric);
+    if (!v || std::isnan(*v)) continue;
+    out.values.push_back(*v);
+    if (*v == kFailedFigure) ++out.failed;
+  }
+  std::sort(out.values.begin(), out.values.end());
+  return out;
+}
+
+Comparison StudyFigures::compare(std::size_t method, std::size_t baseline, const std::string& metric) const {
+  Comparison out;
+  out.method = method;
+  out.baseline = baseline;
+  std::vector<std::vector<double>> ratios(sequences_.size());
+  std::vector<double> all, logarithms;
+  for (std::size_t s = 0; s < sequences_.size(); ++s) {
+    const auto a = replicates(s, method, metric).median(), b = replicates(s, baseline, metric).median();
+    if (a && b) out.sequences.count(*a, *b);
+    for (const std::size_t run : runs_of_[s][method]) {
+      // The runs over the same data with the same order seed stand together, by method.
+      const auto v = value(run, metric), w = value(run - method + baseline, metric);
+      if (!v || !w || std::isnan(*v) || std::isnan(*w)) continue;
+      out.pairs.count(*v, *w);
+      out.failed += *v == kFailedFigure ? 1 : 0;
+      out.baseline_failed += *w == kFailedFigure ? 1 : 0;
+      ratios[s].push_back(ratio_of(*v, *w));
+      all.push_back(ratios[s].back());
+      logarithms.push_back(std::log(all.back()));
+    }
+  }
+  out.ratio = statistics::median(all);
+  out.interval = statistics::bootstrap_median_clustered(ratios);
+  const statistics::SignedRank test = statistics::signed_rank(logarithms);
+  out.effect = test.effect;
+  out.p = test.p;
+  return out;
+}
+
+std::vector<Comparison> StudyFigures::comparisons(const std::string& metric) const {
+  std::vector<Comparison> out;
+  if (!smaller_is_better(metric)) return out;
+  std::vector<std::optional<double>> p;
+  for (std::size_t m = 0; m < study_.methods.size(); ++m) {
+    if (!study_.baseline[m]) continue;
+    out.push_back(compare(m, *study_.baseline[m], metric));
+    p.push_back(out.back().p);
+  }
+  const auto corrected = statistics::holm(p);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].p_holm = corrected[i];
+  return out;
+}
+
+std::string statistics_csv(const Study& study, const StudyFigures& figures) {
+  std::string text =
+      "metric,sequence,method,baseline,runs,failed,median,quartile_1,quartile_3,low,high,baseline_failed,pairs_won,"
+      "pairs_lost,pairs_tied,sequences_won,sequences_lost,sequences_tied,effect,p,p_holm\n";
+  const auto out = std::back_inserter(text);
+  for (const std::string& metric : study.config.metrics) {
+    for (std::size_t s = 0; s < figures.sequences().size(); ++s) {
+      for (std::size_t m = 0; m < study.methods.size(); ++m) {
+        const Replicates r = figures.replicates(s, m, metric);
+        if (r.values.empty()) continue;
+        const auto interval = statistics::bootstrap_median(r.values);
+        fmt::format_to(out, "{},{},{},,{},{},{},{},{},{},{},,,,,,,,,,\n", metric, figures.sequences()[s],
+                       study.methods[m].name, r.values.size(), r.failed, text_of(r.median()),
+                       text_of(statistics::quantile_of_sorted(r.values, 0.25)),
+                       text_of(statistics::quantile_of_sorted(r.values, 0.75)),
+                       interval ? fmt::to_string(interval->low) : "", interval ? fmt::to_string(interval->high) : "");
+      }
+    }
+    for (const Comparison& c : figures.comparisons(metric)) {
+      fmt::format_to(
+          out, "{},,{},{},{},{},{},,,{},{},{},{},{},{},{},{},{},{},{},{}\n", metric, study.methods[c.method].name,
+          study.methods[c.baseline].name, c.pairs.won + c.pairs.lost + c.pairs.tied, c.failed, text_of(c.ratio),
+          c.interval ? fmt::to_string(c.interval->low) : "", c.interval ? fmt::to_string(c.interval->high) : "",
+          c.baseline_failed, c.pairs.won, c.pairs.lost, c.pairs.tied, c.sequences.won, c.sequences.lost,
+          c.sequences.tied, text_of(c.effect), text_of(c.p), text_of(c.p_holm));
+    }
+  }
+  return text;
+}
+
+std::vector<IdenticalMethods> identical_methods(const Study& study, const std::vector<StudyRun>& runs,
+                                                const std::vector<std::optional<StudyRow>>& rows) {
+  std::vector<std::string> digests;
+  for (const auto& row : rows) digests.push_back(digest_of(row));
+  const std::size_t methods = study.methods.size();
+  // Runs come in groups over the same data with the same order seed, by method.
+  const auto compared = [&](std::size_t a, std::size_t b) {
+    std::size_t same = 0;
+    for (std::size_t group = 0; group < runs.size(); group += methods) {
+      const std::string &one = digests[group + a], &other = digests[group + b];
+      if (one.empty() || other.empty()) continue;
+      if (one != other) return std::size_t{0};
+      ++same;
+    }
+    return same;
+  };
+  std::vector<IdenticalMethods> out;
+  std::vector<bool> taken(methods, false);  // equal to an earlier one: told once
+  for (std::size_t a = 0; a < methods; ++a) {
+    for (std::size_t b = a + 1; b < methods && !taken[a]; ++b) {
+      const std::size_t same = taken[b] ? 0 : compared(a, b);
+      if (same == 0) continue;
+      out.push_back({a, b, same});
+      taken[b] = true;
+    }
+  }
+  return out;
+}
+
+std::string identical_text(const Study& study, const IdenticalMethods& same) {
+  return fmt::format(
+      "{} and {} gave the same figures to the last bit in all {} pairs: what they differ in has no effect",
+      study.methods[same.first].name, study.methods[same.second].name, same.runs);
+}
+
+}  // namespace aslio::experiment
