@@ -262,7 +262,7 @@ Mat6 Ieskf::leave_degenerate_out(const Mat6& A) const {
 
 /// Brings the fresh points to the end of the window again, as the iterate says.
 void Ieskf::follow(const NavState& at) {
-  const CpuTimer timer(result_.times.deskew);
+  const CpuTimer timer(result_.times.deskew, result_.times.solve);
   if (params_.deskew_correction == DeskewCorrection::state) {
     retrace(at);
     frame_.deskew_matches(trajectory_);
@@ -287,6 +287,7 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
     frame_.match_all();
     reserve(frame_.match_body().size(), past.points.size());
     load_fresh();
+    const CpuTimer timer(result_.times.associate, result_.times.solve);
     associate(fresh_, at, context.map, 0xffffffff);
     sums.fresh = evaluate(fresh_, at, no_gate);
   }
@@ -294,6 +295,14 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
   result_.fresh_matches = static_cast<std::uint32_t>(sums.fresh.accepted);
   result_.history_matches = static_cast<std::uint32_t>(sums.history.accepted);
   return sums;
+}
+
+/// eq. IESKF-10, while the iterate is the prior. The history is no innovation: its points have been matched before.
+double Ieskf::innovation_per_match(const WindowInformation& fresh) const {
+  SeenMatrix A;
+  SeenVector b;
+  observe(fresh, A, b);
+  return squared_innovation<kSeenDim>(P_, seen_, A, b, fresh.weighted_sum) / static_cast<double>(fresh.accepted);
 }
 
 /// The normal equations of fresh points, and of all with the history's weight.
@@ -331,6 +340,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const Normal normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
+    if (j == 0) result_.nis = innovation_per_match(sums.fresh);
     const StateVector delta = iteration_step<kSeenDim>(P, seen_, normal.A_all, normal.b_all, d);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
     x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);

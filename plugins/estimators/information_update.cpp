@@ -6,7 +6,7 @@ namespace aslio::plugins {
 
 namespace {
 
-/// P C^T S with S = (I + A C P C^T)^-1: the gain of the information. A may be singular.
+/// P C^T S with S = (I + A C P C^T)^-1: the gain of the information. A may be singular. eq. IESKF-4.
 template <int N>
 Eigen::Matrix<double, kStateDim, N> information_gain(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
                                                      const Eigen::Matrix<double, N, N>& A) {
@@ -19,6 +19,7 @@ Eigen::Matrix<double, kStateDim, N> information_gain(const StateMatrix& P, const
 
 }  // namespace
 
+// eq. IESKF-2.
 StateVector box_minus(const NavState& x, const NavState& reference) {
   StateVector d;
   d << log_so3(reference.R.transpose() * x.R), x.p - reference.p, x.v - reference.v, x.b_w - reference.b_w,
@@ -57,6 +58,14 @@ StateVector iteration_step(const StateMatrix& P, const Eigen::Matrix<double, N, 
 }
 
 template <int N>
+double squared_innovation(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+                          const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
+                          double weighted_sum) {
+  const Eigen::Matrix<double, N, 1> explained = C * (information_gain<N>(P, C, A) * b);
+  return weighted_sum - b.dot(explained);
+}
+
+template <int N>
 StateMatrix posterior_covariance(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
                                  const Eigen::Matrix<double, N, N>& A_new, const Eigen::Matrix<double, N, N>& A_all,
                                  HistoryCovariance rule) {
@@ -81,6 +90,11 @@ template StateVector iteration_step<6>(const StateMatrix&, const Eigen::Matrix<d
 template StateVector iteration_step<kSeenDim>(const StateMatrix&, const SeenRows&,
                                               const Eigen::Matrix<double, kSeenDim, kSeenDim>&,
                                               const Eigen::Matrix<double, kSeenDim, 1>&, const StateVector&);
+template double squared_innovation<6>(const StateMatrix&, const Eigen::Matrix<double, 6, kStateDim>&, const Mat6&,
+                                      const Vec6&, double);
+template double squared_innovation<kSeenDim>(const StateMatrix&, const SeenRows&,
+                                             const Eigen::Matrix<double, kSeenDim, kSeenDim>&,
+                                             const Eigen::Matrix<double, kSeenDim, 1>&, double);
 template StateMatrix posterior_covariance<6>(const StateMatrix&, const Eigen::Matrix<double, 6, kStateDim>&,
                                              const Mat6&, const Mat6&, HistoryCovariance);
 template StateMatrix posterior_covariance<kSeenDim>(const StateMatrix&, const SeenRows&,

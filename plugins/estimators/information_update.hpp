@@ -15,7 +15,8 @@ namespace aslio::plugins {
 struct PoseInformation {
   Mat6 A = Mat6::Zero();
   Vec6 b = Vec6::Zero();
-  double squared_sum = 0;  ///< of accepted residuals [m^2], unweighted
+  double squared_sum = 0;   ///< of accepted residuals [m^2], unweighted
+  double weighted_sum = 0;  ///< sum z^2 / R
   std::size_t accepted = 0;
 
   /// One row z = h(x): h = share [(p_I x R^T u)^T, u^T], information 1/R.
@@ -28,12 +29,14 @@ struct PoseInformation {
     for (int column = 0; column < 6; ++column) A.col(column).noalias() += h[column] * weighted;  // in whole vectors
     b += z * weighted;
     squared_sum += z * z;
+    weighted_sum += z * z * information;
     ++accepted;
   }
   PoseInformation& operator+=(const PoseInformation& other) {
     A += other.A;
     b += other.b;
     squared_sum += other.squared_sum;
+    weighted_sum += other.weighted_sum;
     accepted += other.accepted;
     return *this;
   }
@@ -57,6 +60,7 @@ struct WindowInformation : PoseInformation {
     b += z * weighted;
     b1 += z * later;
     squared_sum += z * z;
+    weighted_sum += z * z * information;
     ++accepted;
   }
   WindowInformation& operator+=(const WindowInformation& other) {
@@ -73,20 +77,28 @@ struct WindowInformation : PoseInformation {
 inline constexpr int kSeenDim = 12;
 using SeenRows = Eigen::Matrix<double, kSeenDim, kStateDim>;
 
-/// x [-] x_hat for the error state (theta, p, v, b_w, b_a, g, s, d).
+/// x [-] x_hat for the error state (theta, p, v, b_w, b_a, g, s, d). eq. IESKF-2.
 StateVector box_minus(const NavState& x, const NavState& reference);
-/// x [+] delta. With `unit_gravity` the length of g is kept (S^2 up to second order).
+/// x [+] delta. eq. IESKF-2. With `unit_gravity` the length of g is kept (S^2 up to second order).
 NavState box_plus(const NavState& x, const StateVector& delta, bool unit_gravity);
 
 /// Covariance of the prior seen from the current iterate: J^-1 P J^-T with J^-1 = blkdiag(J_r(d_theta), I). eq.
 /// IESKF-3.
 StateMatrix transported_covariance(const StateMatrix& P, const Vec3& d_theta);
 
-/// delta = -P C^T S b - d + P C^T S A C d, S = (I + A C P C^T)^-1. eq. IESKF-5. `P` is the transported covariance.
+/// delta = -P C^T S b - d + P C^T S A C d, S = (I + A C P C^T)^-1. eqs. IESKF-4, IESKF-5. `P` is the transported
+/// covariance.
 template <int N>
 StateVector iteration_step(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
                            const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
                            const StateVector& d);
+
+/// z^T (H P H^T + R)^-1 z = sum z^2/R - b^T C P C^T S b, the squared innovation (NIS) of the residuals z, whose sum
+/// z^2/R is `weighted_sum`. `P` is the covariance of the state at which they were taken. eq. IESKF-10.
+template <int N>
+double squared_innovation(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+                          const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
+                          double weighted_sum);
 
 /// Posterior covariance when `A_new` comes from fresh and `A_all` from fresh and re-used residuals. eqs. IESKF-6,
 /// HIS-3.

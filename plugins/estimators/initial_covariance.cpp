@@ -11,6 +11,7 @@ constexpr double kDelaySigma = 0.003;  // [s]
 
 }  // namespace
 
+// eq. INI-4.
 StateMatrix initial_covariance(const InitialState& initial, const EstimatedStates& estimated, double sigma_velocity) {
   StateMatrix P = StateMatrix::Zero();
   // The world is defined by the first pose, so pose errors start at zero and the error of the measured vertical is one
@@ -24,7 +25,9 @@ StateMatrix initial_covariance(const InitialState& initial, const EstimatedState
     const double g = initial.state.g.norm();
     const Vec3 up = initial.state.g / g;
     Mat3 spread = initial.sigma_tilt * initial.sigma_tilt * g * g * (Mat3::Identity() - up * up.transpose());
-    if (estimated.gravity == EstimatedStates::Gravity::free) spread += 1e-4 * up * up.transpose();
+    if (estimated.gravity == EstimatedStates::Gravity::free) {
+      spread += estimated.sigma_gravity * estimated.sigma_gravity * up * up.transpose();
+    }
     P.block<3, 3>(block::g, block::g) = spread;
   }
   using Calibration = EstimatedStates::GyroCalibration;

@@ -9,6 +9,7 @@ struct EstimatedStates {
   enum class Gravity : std::uint8_t { s2, free, fixed };
   enum class GyroCalibration : std::uint8_t { none, diagonal, full };
   Gravity gravity = Gravity::s2;
+  double sigma_gravity = 0.01;  ///< of the length of g where all of it is estimated [m/s^2]
   GyroCalibration gyro_calibration = GyroCalibration::none;
   bool time_offset = false;
 };

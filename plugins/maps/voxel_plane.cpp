@@ -15,6 +15,9 @@ constexpr std::uint32_t kNone = CellIndex::kNone;
 constexpr double kLeastSpread = 0.05;
 /// Of a direction in the plane to the thickness: a clump spans none.
 constexpr double kLeastAspect = 9;
+/// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels: what is below it is
+/// rounding, and may be negative.
+constexpr double kRounding = 1e-6;
 /// Growth of the count that is worth a new fit.
 constexpr double kRefit = 1.1;
 
@@ -183,8 +186,9 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(covariance);
   const Vec3& variance = solver.eigenvalues();  // ascending
+  const double thin = std::max(variance[0], kRounding * params_.voxel * params_.voxel);
   const bool planar = variance[0] < params_.thickness * params_.thickness && variance[1] > kLeastSpread * variance[2] &&
-                      variance[1] > kLeastAspect * variance[0] && solver.eigenvectors().allFinite();
+                      variance[1] > kLeastAspect * thin && solver.eigenvectors().allFinite();
   if (planar && !node.planar) node.stamp = stamp;
   node.planar = planar;
   node.mean = mean.cast<float>();

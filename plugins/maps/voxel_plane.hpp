@@ -15,6 +15,15 @@ namespace aslio::plugins {
 /// plane of the coarsest level that has one: many points, little noise; where surfaces meet, a finer level may still
 /// tell them apart. A voxel is closed once it has max_points: later points, placed with later errors, must not drag it
 /// along.
+///
+/// Range: voxels are numbered in 21 bits per axis, so that 2^20 edges from the origin (520 km at 0.5 m) points are
+/// refused and queries find nothing; nearer than that, a plane is as exact as at the origin, since floats count from
+/// the corner of its voxel.
+///
+/// Self-matches: a query with max_stamp takes planes of that update or before, but a plane goes on taking points until
+/// it is closed. So a history point (docs/equations.md HIS-1) meets no plane made of its own window; one that is older
+/// holds that window's points too if they have been inserted. Only with `insertion: on_exit`, which inserts nothing of
+/// the window, is such a match free of them.
 class VoxelPlane final : public Map {
  public:
   struct Params {

@@ -52,6 +52,7 @@ int SoftVoxel::depth(const Params& p) {
   return p.layers ? static_cast<int>(*p.layers) : kDefaultLayers;
 }
 
+// The beta_i of eq. SOD-2.
 std::vector<double> SoftVoxel::weights(const Params& p) {
   const int d = depth(p);
   std::vector<double> beta{1.0};

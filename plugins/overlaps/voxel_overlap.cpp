@@ -79,6 +79,7 @@ void VoxelOverlap::remember(std::span<const WorldPoint> points, TimeNs t) {
   }
 }
 
+// eq. SOD-3.
 TimeNs VoxelOverlap::horizon(TimeNs t) const {
   // Half of what no frame should exceed, where updates were not merged.
   return t - delay_ - std::min((t - extended_) / 2, delay_ / 2);
@@ -119,6 +120,7 @@ void VoxelOverlap::find_layers() {
   }
 }
 
+// eqs. SOD-1, SOD-2.
 OverlapScore VoxelOverlap::evaluate(std::span<const WorldPoint> points, TimeNs t) {
   gather_due(waiting_.ended(horizon(t)));
   OverlapScore score;

@@ -30,11 +30,13 @@ ImuRateWindow::ImuRateWindow(const Params& params, const BuildContext&)
       emit_(params.emit) {}
 
 /// eq. WIN-6. Gravity is taken off at the attitude the gyro gives from the last posterior on: in a fast turn the mean
-/// force of the frame would not do. A sample that is no number counts for nothing.
+/// force of the frame would not do. A sample that is not finite counts for nothing, and the next one turns the attitude
+/// on over its time, too.
 double ImuRateWindow::intensity(const StreamView& stream, TimeNs begin, const NavState& from) const {
   double largest = 0;
   Mat3 R = from.R;
   for (const ImuSample& sample : stream.imu(begin, begin + frame_length_)) {
+    if (!sample.gyro.allFinite() || !sample.acc.allFinite()) continue;
     const Vec3 rate = sample.gyro - from.b_w;
     R = R * exp_so3(rate * to_seconds(sample.t - begin));
     begin = sample.t;

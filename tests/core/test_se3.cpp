@@ -53,11 +53,11 @@ TEST_CASE("a screw motion: half a turn about z while 2 m are climbed") {
   CHECK((T.R - exp_so3(Vec3(0, 0, std::numbers::pi))).norm() == 0.0);
 }
 
-TEST_CASE("log undoes exp on SE(3)") {
+TEST_CASE("log undoes exp on SE(3)") {  // eq. LIE-6
   for_each_twist([](const Vec6& xi) { CHECK((log_se3(exp_se3(xi)) - xi).norm() < 1e-13); });
 }
 
-TEST_CASE("Jacobians of SE(3) against central differences") {
+TEST_CASE("Jacobians of SE(3) against central differences") {  // eq. LIE-7
   constexpr double h = 1e-5;
   for_each_twist([&](const Vec6& xi) {
     const Pose T = exp_se3(xi);
@@ -80,7 +80,7 @@ TEST_CASE("inverse Jacobians of SE(3) invert, and the Jacobian leaves its own tw
   });
 }
 
-TEST_CASE("series and closed forms of the Q block agree where they meet") {
+TEST_CASE("series and closed forms of the Q block agree where they meet") {  // eq. LIE-8
   for (const Vec3& axis : directions()) {
     const Vec3 rho(0.3, -1.7, 2.2);
     const Mat6 below = left_jacobian_se3(twist((0.5 - 1e-14) * axis, rho));
@@ -89,7 +89,7 @@ TEST_CASE("series and closed forms of the Q block agree where they meet") {
   }
 }
 
-TEST_CASE("interpolate is exact at the ends, linear in angle and position between") {
+TEST_CASE("interpolate is exact at the ends, linear in angle and position between") {  // eq. LIE-9
   const Pose a{exp_so3(Vec3(0.1, 0.2, -0.3)), Vec3(1, 2, 3)};
   const Vec3 turn(0.4, -0.6, 2.0);
   const Pose b{a.R * exp_so3(turn), Vec3(-4, 0, 1)};

@@ -37,13 +37,13 @@ TEST_CASE("hat is the cross product") {
   CHECK(hat(a) == Mat3(-hat(a).transpose()));
 }
 
-TEST_CASE("exp of a quarter turn about z takes x to y") {
+TEST_CASE("exp of a quarter turn about z takes x to y") {  // eq. LIE-1
   const Mat3 R = exp_so3(Vec3(0, 0, 0.5 * std::numbers::pi));
   CHECK((R * Vec3::UnitX() - Vec3::UnitY()).norm() < 1e-15);
   CHECK((R * Vec3::UnitZ() - Vec3::UnitZ()).norm() < 1e-15);
 }
 
-TEST_CASE("exp gives rotations and log undoes exp, near zero and near pi") {
+TEST_CASE("exp gives rotations and log undoes exp, near zero and near pi") {  // eqs. LIE-1, LIE-2
   for (const double angle : kAngles) {
     for (const Vec3& axis : directions()) {
       const Vec3 phi = angle * axis;
@@ -56,7 +56,7 @@ TEST_CASE("exp gives rotations and log undoes exp, near zero and near pi") {
   }
 }
 
-TEST_CASE("log keeps all digits of the smallest angles") {
+TEST_CASE("log keeps all digits of the smallest angles") {  // eq. LIE-2
   for (const Vec3& axis : directions()) {
     const Vec3 phi = 1e-12 * axis;
     CHECK((log_so3(exp_so3(phi)) - phi).norm() < 1e-26);
@@ -94,7 +94,7 @@ TEST_CASE("series and closed forms agree at the angle where they meet") {
   }
 }
 
-TEST_CASE("right Jacobian of SO(3) against central differences") {
+TEST_CASE("right Jacobian of SO(3) against central differences") {  // eq. LIE-3
   for (const double angle : {0.0, 1e-9, 1e-3, 0.0999, 0.1001, 0.7, 2.0, 3.0}) {
     for (const Vec3& axis : directions()) {
       const Vec3 phi = angle * axis;
@@ -116,7 +116,7 @@ TEST_CASE("left Jacobian of SO(3) against central differences") {
   CHECK(distance(left_jacobian_so3(phi), J) < 1e-9);
 }
 
-TEST_CASE("identities of the Jacobians of SO(3)") {
+TEST_CASE("identities of the Jacobians of SO(3)") {  // eqs. LIE-3, LIE-4
   for (const double angle : {0.0, 1e-12, 1e-4, 0.0999, 0.1001, 1.0, 3.0, 3.1415926, 6.0}) {
     for (const Vec3& axis : directions()) {
       const Vec3 phi = angle * axis;
@@ -131,7 +131,7 @@ TEST_CASE("identities of the Jacobians of SO(3)") {
   }
 }
 
-TEST_CASE("orthonormalised squares the drift away and keeps a rotation") {
+TEST_CASE("orthonormalised squares the drift away and keeps a rotation") {  // eq. LIE-5
   const Mat3 R = exp_so3(Vec3(0.3, -0.7, 1.9));
   Mat3 noise;
   noise << 1, -2, 0.5, 0.25, -1, 2, -0.75, 1.5, 1;

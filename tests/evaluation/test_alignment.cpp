@@ -36,7 +36,7 @@ const std::vector<Vec3> kCloud = {{0, 0, 0}, {3, 0, 0.5}, {3, 4, -1}, {-1, 2, 2}
 
 }  // namespace
 
-TEST_CASE("se3 finds the transform it was given, also for planar positions") {
+TEST_CASE("se3 finds the transform it was given, also for planar positions") {  // eq. EVAL-4
   const Pose T{exp_so3(Vec3(0.4, -1.0, 2.0)), Vec3(10, -20, 3)};
   std::vector<Vec3> planar = kCloud;
   for (Vec3& p : planar) p.z() = 0.0;
@@ -75,7 +75,7 @@ TEST_CASE("the alignments are minima of the weighted cost") {
   }
 }
 
-TEST_CASE("yaw turns about z only") {
+TEST_CASE("yaw turns about z only") {  // eq. EVAL-5
   const Pose T{exp_so3(Vec3(0, 0, 2.5)), Vec3(1, 2, 3)};
   const auto pairs = pairs_of(kCloud, T);
   const Pose A = align(Alignment::yaw, pairs, ones(pairs));
@@ -109,7 +109,7 @@ TEST_CASE("positions that do not determine the alignment are refused") {
   CHECK_THROWS_WITH(align(Alignment::yaw, upright, ones(upright)), Catch::StartsWith("alignment yaw: the 20 matched"));
 }
 
-TEST_CASE("the nearest rotation to a scaled and disturbed rotation") {
+TEST_CASE("the nearest rotation to a scaled and disturbed rotation") {  // eq. EVAL-6
   const Mat3 R = exp_so3(Vec3(1, 2, -0.5));
   CHECK((nearest_rotation(3.0 * R) - R).norm() < 1e-14);
   Mat3 M = R;
@@ -119,7 +119,7 @@ TEST_CASE("the nearest rotation to a scaled and disturbed rotation") {
   CHECK((N - M).norm() < (R - M).norm());
 }
 
-TEST_CASE("statistics with equal weights are the usual ones") {
+TEST_CASE("statistics with equal weights are the usual ones") {  // eq. EVAL-7
   const std::vector<double> values = {4, 1, 3, 2}, weights = {0.25, 0.25, 0.25, 0.25};
   const Statistics s = weighted_statistics(values, weights);
   CHECK(s.n == 4);
@@ -142,7 +142,7 @@ TEST_CASE("a weight of three is a value three times") {
   CHECK(weighted.median == repeated.median);
 }
 
-TEST_CASE("time weights are half the gaps, and a long gap counts only so much") {
+TEST_CASE("time weights are half the gaps, and a long gap counts only so much") {  // eq. EVAL-8
   std::vector<PosePair> pairs(4);
   pairs[1].t = kSecond / 10;
   pairs[2].t = 3 * kSecond / 10;

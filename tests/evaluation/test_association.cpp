@@ -25,7 +25,7 @@ std::vector<TimeNs> times_of(const std::vector<PosePair>& pairs) {
 
 }  // namespace
 
-TEST_CASE("the reference is interpolated at the estimate's stamps and what lies outside is counted") {
+TEST_CASE("the reference is interpolated at the estimate's stamps and what lies outside is counted") {  // eq. EVAL-1
   const Trajectory reference = at_times({1000 * kMs, 1100 * kMs, 1200 * kMs});
   const Trajectory estimate = at_times({990 * kMs, 1030 * kMs, 1100 * kMs, 1170 * kMs, 1210 * kMs});
   const Association a = associate_interpolated(estimate, reference, 100 * kMs, kSecond);
@@ -50,7 +50,7 @@ TEST_CASE("gaps of the reference are not bridged, gaps of the estimate are not c
   CHECK(associate_interpolated(broken, long_reference, 100 * kMs, kSecond).covered == Approx(0.4));
 }
 
-TEST_CASE("evo's rule: the nearest within the limit, from the shorter trajectory, with re-use") {
+TEST_CASE("evo's rule: the nearest within the limit, from the shorter trajectory, with re-use") {  // eq. EVAL-2
   const Trajectory reference = at_times({0, 100 * kMs, 200 * kMs, 300 * kMs, 400 * kMs});
   const Trajectory estimate = at_times({9 * kMs, 89 * kMs, 210 * kMs, 311 * kMs});
   const Association a = associate_nearest(estimate, reference, 10 * kMs, kSecond);
@@ -67,7 +67,7 @@ TEST_CASE("evo's rule: the nearest within the limit, from the shorter trajectory
   CHECK(reused.pairs[1].reference.p.x() == Approx(0.105));
 }
 
-TEST_CASE("the grid lies on multiples of the period, whatever the estimate's stamps") {
+TEST_CASE("the grid lies on multiples of the period, whatever the estimate's stamps") {  // eq. EVAL-3
   const Trajectory reference = sampled(-kSecond, 3 * kSecond, 5 * kMs);
   const Trajectory estimate = sampled(-233 * kMs, 1 * kSecond, 33 * kMs);
   const auto pairs = associate_on_grid(estimate, reference, 100 * kMs, 100 * kMs, kSecond);

@@ -52,7 +52,7 @@ TEST_CASE("evo's rule gives the figures of an independent implementation") {
   check_equal(swapped.ate.rotation, expected["swapped"]["rotation_deg"]);
 }
 
-TEST_CASE("the same motion in another world has no error") {
+TEST_CASE("the same motion in another world has no error") {  // eq. EVAL-9
   const Trajectory reference = sampled(0, 12 * kSecond, 5 * kMs);
   const Trajectory estimate =
       moved(sampled(100 * kMs, 12 * kSecond, 100 * kMs), {exp_so3(Vec3(0.3, -0.2, 2)), Vec3(5, 6, 7)});
@@ -73,7 +73,7 @@ TEST_CASE("the same motion in another world has no error") {
   CHECK(e.ate_yaw->rotation.rmse > 10.0);
 }
 
-TEST_CASE("a constant rotation of the body frame is told from errors of the motion") {
+TEST_CASE("a constant rotation of the body frame is told from errors of the motion") {  // eq. EVAL-6
   const Trajectory reference = sampled(0, 12 * kSecond, 5 * kMs);
   const Pose mounting{exp_so3(Vec3(0.02, 0.01, -0.02)), Vec3::Zero()};
   const Evaluation e = evaluate(moved(sampled(0, 12 * kSecond, 100 * kMs), {}, mounting), reference);
@@ -128,7 +128,7 @@ TEST_CASE("more poses in a turn do not change errors weighted by time") {
   CHECK(weighted.ate_turns->translation.n + weighted.ate_straight->translation.n == adaptive.size());
 }
 
-TEST_CASE("turn rate of a reference, also at its ends") {
+TEST_CASE("turn rate of a reference, also at its ends") {  // eq. EVAL-10
   Trajectory reference;
   for (int i = 0; i <= 100; ++i) reference.append({i * 10 * kMs, {exp_so3(Vec3(0, 0, 0.007 * i)), Vec3::Zero()}});
   for (const TimeNs t : {TimeNs{0}, TimeNs{3 * kMs}, TimeNs{500 * kMs}, TimeNs{kSecond}}) {
@@ -136,7 +136,7 @@ TEST_CASE("turn rate of a reference, also at its ends") {
   }
 }
 
-TEST_CASE("relative errors of a scale error are that scale times the distance") {
+TEST_CASE("relative errors of a scale error are that scale times the distance") {  // eq. EVAL-11
   const auto line = [](double scale) {
     Trajectory trajectory;
     for (int i = 0; i <= 200; ++i) trajectory.append({i * 100 * kMs, {Mat3::Identity(), Vec3(0.1 * scale * i, 0, 0)}});

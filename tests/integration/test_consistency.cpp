@@ -27,6 +27,7 @@ struct Consistency {
   double nees = 0;      ///< mean over seeds and updates
   double last = 0;      ///< mean over seeds of the last update
   double residual = 0;  ///< mean residual_rms / sigma
+  double nis = 0;       ///< mean over seeds and updates, per match
   std::size_t updates = 0, not_ok = 0;
 };
 
@@ -48,6 +49,7 @@ Consistency consistency(const std::string& deskew_correction, PointNoise noise =
       nees = room.pose_nees(update);
       sum.nees += nees;
       sum.residual += update.residual_rms / setting.sigma;
+      sum.nis += update.nis;
       ++sum.updates;
       if (update.status != UpdateStatus::ok) ++sum.not_ok;
     }
@@ -55,6 +57,7 @@ Consistency consistency(const std::string& deskew_correction, PointNoise noise =
   }
   sum.nees /= static_cast<double>(sum.updates);
   sum.residual /= static_cast<double>(sum.updates);
+  sum.nis /= static_cast<double>(sum.updates);
   sum.last /= seeds;
   return sum;
 }
@@ -63,22 +66,29 @@ Consistency consistency(const std::string& deskew_correction, PointNoise noise =
 
 TEST_CASE("consistency: against true walls the mean pose NEES over 100 seeds is that of six dimensions") {
   const Consistency c = consistency("state");
-  CAPTURE(c.nees, c.last, c.residual);
+  CAPTURE(c.nees, c.last, c.residual, c.nis);
   REQUIRE(c.updates == 3200);
   CHECK(c.not_ok == 0);
   CHECK(c.nees > 5.3);
   CHECK(c.nees < 6.7);
   CHECK(c.residual == Approx(1.0).epsilon(0.01));  // the noise is what the filter takes it for
+  CHECK(c.nis == Approx(1.0).epsilon(0.02));       // and so is what it predicts (eq. IESKF-10)
 }
 
-TEST_CASE("consistency: points that move with the end of the window alone promise more than they hold") {
+TEST_CASE("consistency: rigid and asymptotic promise more than they hold, linear less") {
   // The error of the velocity over the mean age of the points is in none of its rows; the linear rule gives
-  // points up to two thirds less weight instead.
-  const Consistency rigid = consistency("rigid"), linear = consistency("linear");
-  CAPTURE(rigid.nees, rigid.last, linear.nees, linear.last);
-  CHECK(rigid.not_ok + linear.not_ok == 0);
+  // points up to two thirds less weight instead. The asymptotic rule moves the points as the linear one does, but
+  // weighs them as the rigid one: its errors are smaller, what it claims is as much.
+  const Consistency rigid = consistency("rigid"), linear = consistency("linear"),
+                    asymptotic = consistency("asymptotic");
+  CAPTURE(rigid.nees, rigid.last, linear.nees, linear.last, asymptotic.nees, asymptotic.last);
+  CAPTURE(rigid.nis, linear.nis, asymptotic.nis);
+  CHECK(rigid.not_ok + linear.not_ok + asymptotic.not_ok == 0);
   CHECK(rigid.nees > 6.7);
   CHECK(linear.nees < 5.3);
+  CHECK(asymptotic.nees > 6.7);
+  CHECK(asymptotic.nees < 0.8 * rigid.nees);
+  for (const double nis : {rigid.nis, linear.nis, asymptotic.nis}) CHECK(nis == Approx(1.0).epsilon(0.02));
 }
 
 TEST_CASE("consistency: noise along the ray alone is less than one sigma for all incidences assumes") {

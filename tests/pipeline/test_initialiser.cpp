@@ -40,7 +40,7 @@ struct Start {
 
 }  // namespace
 
-TEST_CASE("initialisation: at rest the mean rate is the gyro bias") {
+TEST_CASE("initialisation: at rest the mean rate is the gyro bias") {  // eq. INI-2
   const Vec3 bias(0.004, -0.006, 0.002);
   const auto found = Start().imu(0, 0.2, 0.005, kUp, bias).run();
   REQUIRE(found);
@@ -67,7 +67,7 @@ TEST_CASE("initialisation: auto decides by the variation of the force and by the
   CHECK(verdict(0.0, 0.051) == InitialMode::dynamic_start);
 }
 
-TEST_CASE("initialisation: a dynamic start assumes neither rest nor a bias") {
+TEST_CASE("initialisation: a dynamic start assumes neither rest nor a bias") {  // eq. INI-2
   Start start;
   start.imu(0, 0.2, 0.005, kUp, Vec3(0, 0, 1));
   const auto found = start.run();
@@ -133,7 +133,7 @@ TEST_CASE("initialisation: IMU data before the first point is used, so that moti
   CHECK_THAT(found->verdict, Contains("over 21 samples"));  // the 0.1 s before the point, not all there is
 }
 
-TEST_CASE("initialisation: the levelled attitude takes the force to +z without yaw, in any position") {
+TEST_CASE("initialisation: the levelled attitude takes the force to +z without yaw, in any position") {  // eq. INI-1
   std::vector<Vec3> forces = {kUp, -kUp, Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1e-9, 0, -1), Vec3(0, 1e-14, -1)};
   for (int i = 0; i < 200; ++i) {
     const double z = -0.99 + i * 0.00995, a = 2.4 * i;

@@ -12,11 +12,11 @@ HOME = "/ho" + "me/somebody/data"
 
 
 class HouseRules(unittest.TestCase):
-    def findings(self, name, text):
-        """Rules that a tree with this one file breaks."""
+    def findings(self, name, text, others=()):
+        """Rules that a tree with this one file, and maybe others, breaks."""
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
-            for path, content in ((name, text), ("tools/lint/house_rules.py", SCRIPT.read_text())):
+            for path, content in ((name, text), *others, ("tools/lint/house_rules.py", SCRIPT.read_text())):
                 (root / path).parent.mkdir(parents=True, exist_ok=True)
                 (root / path).write_text(content)
             for command in (["init", "-q"], ["add", "."]):
@@ -41,6 +41,19 @@ class HouseRules(unittest.TestCase):
         self.assert_breaks("no other family", "plugins/maps/a.cpp", '#include "../windows/fixed.hpp"\n')
         self.assert_clean("plugins/maps/a.cpp", '#include "aslio/stages/map.hpp"\n#include "maps/a.hpp"\n')
         self.assert_clean("plugins/maps/register.cpp", '#include "aslio/plugin/registry.hpp"\n')
+
+    def test_equations(self):
+        doc = "docs/equations.md"
+        text = "## rooms\nAll of them. Tests: `tests/rooms`.\n\n**AB-1** x = 1.\n\n**AB-10** y = 2.\nTest: `b_test.cpp`.\n"
+        code = ("plugins/maps/a.cpp", "// eq. AB-1\n// eq. AB-10\n")
+        tests = (("tests/rooms/a.cpp", "// eq. AB-1\n"), ("tests/b_test.cpp", "// AB-10\n"))
+        self.assertEqual(self.findings(doc, text, (code, *tests)), [])
+        rule = ["every equation is cited in code and in the test it names"]
+        self.assertEqual(self.findings(doc, text, tests), rule)
+        self.assertEqual(self.findings(doc, text, ((code[0], "// eq. AB-10\n"), *tests)), rule)
+        self.assertEqual(self.findings(doc, text, (code, tests[0])), rule)
+        self.assertEqual(self.findings(doc, text.replace("`tests/rooms`", "some"), (code, *tests)), rule)
+        self.assertEqual(self.findings(doc, text.replace("b_test", "c_test"), (code, *tests)), rule)
 
     def test_threads(self):
         self.assert_breaks("only in exec", "plugins/maps/a.cpp", "#pragma omp parallel for\n")

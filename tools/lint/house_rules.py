@@ -33,6 +33,8 @@ ROOMS = {
 PLUGIN_MAY = {"core", "stages", "config", "exec"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]')
 COMMENT = re.compile(r"//.*$")
+EQUATION = re.compile(r"\*\*([A-Z]+-\d+)\*\* ")
+NAMED_TEST = re.compile(r"`(tests/[\w/]+(?:\.cpp)?|test_\w+\.cpp|\w+_test\.cpp)`")
 # Engines and containers whose order or sequence differs between libraries or runs.
 FOREIGN_RANDOM = re.compile(r"std::(normal|uniform_real|uniform_int|bernoulli|poisson|exponential)_distribution|"
                             r"std::random_device|\bs?rand\s*\(")
@@ -190,6 +192,33 @@ def yaml_names_its_schema(sources):
                 yield source, 1, "does not begin with `schema: aslio/<kind>/1`"
 
 
+def equations(doc):
+    """(tag, line, tests it names or else those its section names)"""
+    tag, start, own, of_section = None, 0, [], []
+    for i, line in enumerate(doc.lines + ["## "], 1):
+        begins = EQUATION.match(line)
+        if begins or line.startswith("## "):
+            if tag:
+                yield tag, start, own or of_section
+            of_section = of_section if begins else []
+            tag, start, own = begins and begins.group(1), i, []
+        (own if tag else of_section).extend(NAMED_TEST.findall(line))
+
+
+def equations_are_cited_and_tested(sources):
+    doc = next((s for s in sources if s.name == "docs/equations.md"), None)
+    if doc is None:
+        return
+    texts = [(s, "\n".join(s.lines)) for s in sources if s.suffix in CODE + (".py",)]
+    for tag, line, tests in equations(doc):
+        tagged = [s for s, text in texts if re.search(rf"\b{tag}\b", text)]
+        if not any(s.within("framework", "plugins", "tools") for s in tagged):
+            yield doc, line, f"no code cites {tag}"
+        if not any(s.within("tests") and (s.name.endswith("/" + t) or (s.name + "/").startswith(t + "/"))
+                   for s in tagged for t in tests):
+            yield doc, line, f"{tag} is in none of its tests: {', '.join(tests) or 'it names none'}"
+
+
 RULES = (
     ("the framework includes no plugin", framework_knows_no_plugin),
     ("rooms include only what lies below them", rooms_keep_their_arrows),
@@ -205,6 +234,7 @@ RULES = (
     ("no paths of one machine", no_machine_paths),
     ("every lint suppression names its check and reason", suppressions_have_reasons),
     ("every YAML file names its schema", yaml_names_its_schema),
+    ("every equation is cited in code and in the test it names", equations_are_cited_and_tested),
 )
 
 

@@ -37,7 +37,7 @@ WindowTrajectory turning_trajectory(double rate, int segments, double dt,
 
 }  // namespace
 
-TEST_CASE("de-skew puts a world point where every measurement of it says") {
+TEST_CASE("de-skew puts a world point where every measurement of it says") {  // eq. DSK-1
   // From slow turns with a fast IMU to half a radian per IMU step: the series and the closed form.
   for (const auto& [rate, segments, dt] :
        {std::tuple{0.0, 20, 0.005}, std::tuple{4.5, 20, 0.005}, std::tuple{5.0, 2, 0.1}}) {
@@ -68,7 +68,7 @@ TEST_CASE("de-skew puts a world point where every measurement of it says") {
   }
 }
 
-TEST_CASE("points are placed where the corrected trajectory was when they were measured") {
+TEST_CASE("points are placed where the corrected trajectory was when they were measured") {  // eq. DSK-2
   for (const auto spread : {WindowTrajectory::Spread::rigid, WindowTrajectory::Spread::linear}) {
     WindowTrajectory trajectory = turning_trajectory(3.0, 20, 0.005, spread);
     SensorModel sensor;
@@ -96,7 +96,7 @@ TEST_CASE("points are placed where the corrected trajectory was when they were m
   }
 }
 
-TEST_CASE("the trajectory moves with its end and its Jacobian agrees with central differences") {
+TEST_CASE("the trajectory moves with its end and its Jacobian agrees with central differences") {  // eq. TRJ-1
   const auto spread = GENERATE(WindowTrajectory::Spread::rigid, WindowTrajectory::Spread::linear);
   WindowTrajectory trajectory = turning_trajectory(3.0, 10, 0.01, spread);
   const Pose end{exp_so3(Vec3(0.5, -0.1, 0.3)), Vec3(3, 2, 1)};

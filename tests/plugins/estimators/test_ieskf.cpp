@@ -4,10 +4,7 @@
 #include <limits>
 #include <map>
 
-#include "aslio/pipeline/odometry.hpp"
-#include "pipeline/runs.hpp"
-#include "plugins/estimators/room.hpp"
-#include "plugins/overlaps/one_stage.hpp"
+#include "plugins/estimators/room_filter.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -15,54 +12,6 @@ using namespace aslio::test;
 namespace {
 
 constexpr TimeNs kTenth = kSecond / 10;
-
-/// A history in which every point has the given weight.
-class ConstantHistory final : public HistoryPolicy {
- public:
-  explicit ConstantHistory(double weight = 1.0) : weight_(weight) {}
-  HistorySelection select(const Window&) override { return {}; }
-  double weight(std::size_t, std::size_t) const override { return weight_; }
-  double gate(double sigma) const override { return 3 * sigma; }
-  void commit(const Window&, const Update&) override {}
-  void reset() override {}
-
- private:
-  double weight_;
-};
-
-/// The filter in the room, at the origin and at rest.
-struct Filter {
-  explicit Filter(const std::vector<std::string>& overrides = {}, double sigma_velocity = 0.05,
-                  bool imu_is_known = false) {
-    environment.sensor.T_imu_lidar = Pose{};
-    // Defaults, whatever the shipped files are tuned to.
-    std::vector<std::string> all = {"estimator={type: ieskf}", "map={type: voxel_hash}"};
-    all.insert(all.end(), overrides.begin(), overrides.end());
-    const pipeline::PipelineConfig config = shipped("as_lio", all);
-    estimator = config.estimator.make(environment.context());
-    map = config.map.make(environment.context());
-    InitialState initial;
-    initial.state.t = kRoomEpoch;
-    initial.sigma_velocity = sigma_velocity;
-    if (imu_is_known) initial.sigma_acc_bias = initial.sigma_tilt = initial.sigma_gyro_bias = 1e-4;
-    estimator->reset(initial);
-  }
-  void add_sampler(const std::string& text) {
-    std::vector<std::unique_ptr<Sampler>> chain;
-    chain.push_back(make_stage<Sampler>(built_in_stages(), text, environment.context()));
-    samplers = SamplerChain(std::move(chain));
-  }
-  void build_map(std::uint32_t stamp) { map->insert(wall_points(20000), stamp); }
-  const Update& update(const RoomWindow& room, const HistorySelection& past = {}) {
-    return estimator->update(room.window, past, {samplers, *map, history});
-  }
-
-  BuildEnvironment environment;
-  SamplerChain samplers;
-  ConstantHistory history;
-  std::unique_ptr<Estimator> estimator;
-  std::unique_ptr<Map> map;
-};
 
 std::vector<HistoryPoint> old_points(int count) {
   std::vector<HistoryPoint> out;
@@ -153,7 +102,7 @@ TEST_CASE("predict says what the next update starts from and changes nothing") {
   CHECK(same_state(filter.update(room).prior, predicted));
 }
 
-TEST_CASE("a history whose only neighbours are of its own window carries exactly no information") {
+TEST_CASE("a history whose only neighbours are of its own window carries exactly no information") {  // eq. HIS-1
   // A new room: everything in the map was inserted within the window (update 5), the history may match up to 4.
   const RoomWindow room(kRoomEpoch, kTenth, Pose{Mat3::Identity(), Vec3(0.01, 0.02, 0)}, 6);
   const std::vector<HistoryPoint> points = old_points(500);
@@ -189,7 +138,7 @@ TEST_CASE("history at full weight: counting all of it as new evidence is more ce
   CHECK(joseph > 0.999 * fresh_alone);  // no gain is better than the optimal one for the fresh points
 }
 
-TEST_CASE("with nothing to match the points go on entering the map while dead reckoning is good") {
+TEST_CASE("with nothing to match the points go on entering the map while dead reckoning is good") {  // eq. IESKF-8
   // The map holds something, but nothing within reach.
   const auto last_insertion = [](const std::vector<std::string>& overrides, bool imu_is_known) {
     Filter filter(overrides, 0.01, imu_is_known);
@@ -273,7 +222,7 @@ TEST_CASE("a window without IMU data keeps the state and its covariance") {
 
 TEST_CASE("attitude noise over a window: the density times its length, at any IMU rate, more in turns when so chosen") {
   // eqs. MOT-3, MOT-5. The map is empty, so that the covariance is the predicted one.
-  const auto growth = [](const char* noise, std::size_t every, double rate) {
+  const auto growth = [](const char* noise, std::size_t every, double rate) {  // eqs. MOT-3, MOT-5
     Filter filter({std::string("estimator.noise=") + noise}, 0.01, true);
     RoomWindow room(kRoomEpoch, kTenth, Pose{}, 1);
     std::vector<ImuSample> imu;
@@ -291,7 +240,7 @@ TEST_CASE("attitude noise over a window: the density times its length, at any IM
         Approx((density * density + scale_error * scale_error * 0.1) * 0.1).epsilon(0.01));
 }
 
-TEST_CASE("a single wall in view: the update counts, and is marked degenerate") {
+TEST_CASE("a single wall in view: the update counts, and is marked degenerate") {  // eq. IESKF-7
   Filter filter({}, 3.0);
   filter.build_map(1);
   RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2, 3000);
@@ -323,7 +272,7 @@ double off_the_walls(const Update& update) {
 
 }  // namespace
 
-TEST_CASE("deskew_correction: within one window of a turn, the gyro's error shows") {
+TEST_CASE("deskew_correction: within one window of a turn, the gyro's error shows") {  // eq. DSK-2
   TurningRoom motion;
   motion.rate = Vec3(0, 0, 3.0);
   motion.gyro_error = Vec3(0, 0, 0.02);
@@ -352,7 +301,7 @@ TEST_CASE("deskew_correction: within one window of a turn, the gyro's error show
   CHECK(std::abs(scale["state"] - 0.02) < 0.002);
 }
 
-TEST_CASE("deskew_correction state: within one window, the velocity shows") {
+TEST_CASE("deskew_correction state: within one window, the velocity shows") {  // eq. DSK-3
   TurningRoom motion;
   motion.drift = Vec3(0.5, -0.3, 0.1);
   for (const std::string rule : {"rigid", "state"}) {
@@ -387,7 +336,7 @@ TEST_CASE("a refused update leaves no trace of its iterations") {
   }
 }
 
-TEST_CASE("degenerate_to_prior: what is known badly stays as predicted, what is known well does not") {
+TEST_CASE("degenerate_to_prior: what is known badly stays as predicted, what is known well does not") {  // eq. IESKF-9
   for (const std::string leave : {"false", "true"}) {
     CAPTURE(leave);
     Filter filter({"estimator.degenerate_to_prior=" + leave, "estimator.degenerate_sigma=0.005"}, 3.0);

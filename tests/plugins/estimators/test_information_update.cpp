@@ -1,4 +1,4 @@
-// The filter algebra against textbook forms, and its Jacobians against central differences.
+// The filter algebra against textbook forms, and its Jacobians against central differences. (eq. IESKF-6)
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -54,7 +54,7 @@ Eigen::MatrixXd gain(const StateMatrix& P, const Rows& rows) {
 
 }  // namespace
 
-TEST_CASE("the point-to-surface row is the derivative of the residual") {
+TEST_CASE("the point-to-surface row is the derivative of the residual") {  // eq. IESKF-1
   NavState x;
   x.R = exp_so3(Vec3(0.4, -0.2, 0.9));
   x.p = Vec3(2, 1, -1);
@@ -72,7 +72,7 @@ TEST_CASE("the point-to-surface row is the derivative of the residual") {
   }
 }
 
-TEST_CASE("the iteration step equals the textbook Kalman step") {
+TEST_CASE("the iteration step equals the textbook Kalman step") {  // eqs. IESKF-4, IESKF-5
   const StateMatrix P = some_covariance(0.2);
   const Rows rows = some_rows(40, 0.5, exp_so3(Vec3(0.1, 0.2, 0.3)));
   StateVector d;
@@ -81,6 +81,17 @@ TEST_CASE("the iteration step equals the textbook Kalman step") {
   const StateVector expected = -K * rows.z - (StateMatrix::Identity() - K * rows.H) * d;
   const StateVector actual = iteration_step<6>(P, pose_rows(), rows.sums.A, rows.sums.b, d);
   CHECK((actual - expected).norm() < 1e-9);
+}
+
+// eq. IESKF-10.
+TEST_CASE("the squared innovation of all residuals is that of the textbook") {
+  const StateMatrix P = some_covariance(0.2);
+  const Rows rows = some_rows(40, 0.5, exp_so3(Vec3(0.1, 0.2, 0.3)));
+  const Eigen::MatrixXd covariance =
+      rows.H * P * rows.H.transpose() + Eigen::MatrixXd::Identity(40, 40) / rows.information;
+  const double expected = rows.z.dot(covariance.inverse() * rows.z);
+  CHECK(rows.sums.weighted_sum == Approx(rows.information * rows.z.squaredNorm()));
+  CHECK(squared_innovation<6>(P, pose_rows(), rows.sums.A, rows.sums.b, rows.sums.weighted_sum) == Approx(expected));
 }
 
 TEST_CASE("posterior covariance: without history every rule gives (I - KH) P, singular information is no problem") {
@@ -96,7 +107,7 @@ TEST_CASE("posterior covariance: without history every rule gives (I - KH) P, si
   }
 }
 
-TEST_CASE("posterior covariance with history: the Joseph form of the gain that was used") {
+TEST_CASE("posterior covariance with history: the Joseph form of the gain that was used") {  // eq. HIS-3
   const StateMatrix P = some_covariance(0.7);
   const Rows fresh = some_rows(30, 0.3, Mat3::Identity());
   const Rows old = some_rows(25, 2.3, Mat3::Identity());
@@ -116,7 +127,7 @@ TEST_CASE("posterior covariance with history: the Joseph form of the gain that w
   CHECK(all.topLeftCorner<6, 6>().trace() < joseph.topLeftCorner<6, 6>().trace());
 }
 
-TEST_CASE("moments of the lag give the normal equations of rows that see velocity and rate too") {
+TEST_CASE("moments of the lag give the normal equations of rows that see velocity and rate too") {  // eq. DSK-3
   // h = [h_pose, -tau h_pose] C for every row, summed the long way.
   const StateMatrix P = some_covariance(0.4);
   const Mat3 R = exp_so3(Vec3(0.3, -0.1, 0.2));
@@ -155,7 +166,7 @@ TEST_CASE("moments of the lag give the normal equations of rows that see velocit
   }
 }
 
-TEST_CASE("the transported prior is what the linearisation of x [-] x_hat says") {
+TEST_CASE("the transported prior is what the linearisation of x [-] x_hat says") {  // eq. IESKF-3
   const NavState reference;
   StateVector offset = StateVector::Zero();
   offset.head<3>() = Vec3(0.3, -0.2, 0.5);
@@ -173,7 +184,7 @@ TEST_CASE("the transported prior is what the linearisation of x [-] x_hat says")
   CHECK((transported_covariance(P, offset.head<3>()) - expected).cwiseAbs().maxCoeff() < 1e-7);
 }
 
-TEST_CASE("gravity on the sphere keeps its length") {
+TEST_CASE("gravity on the sphere keeps its length") {  // eq. IESKF-2
   NavState x;
   StateVector d = StateVector::Zero();
   d.segment<3>(block::g) = Vec3(0.5, -0.3, 0.2);

@@ -54,7 +54,7 @@ TEST_CASE("the history is the part of the window before the fresh interval, each
   }
 }
 
-TEST_CASE("the weight of the whole history is rho times that of the fresh points") {
+TEST_CASE("the weight of the whole history is rho times that of the fresh points") {  // eq. HIS-2
   const BalancedHistory policy = balanced({.rho = 0.5});
   // n = 9: the window is m = 4.5 shifts long, so there are 3.5 history residuals per fresh one and w = rho / (m - 1).
   CHECK(policy.weight(200, 700) == Approx(0.5 / 3.5).epsilon(1e-12));
@@ -76,7 +76,7 @@ TEST_CASE("rho = 0 leaves the history out") {
   CHECK(policy.weight(100, 100) == 0.0);
 }
 
-TEST_CASE("a history point may match only what was in the map before its window began") {
+TEST_CASE("a history point may match only what was in the map before its window began") {  // eq. HIS-1
   BalancedHistory policy = uncapped();
   UpdateLoop loop(policy);
   std::vector<TimeNs> ends = {0};  // by sequence
@@ -156,7 +156,7 @@ TEST_CASE("an update that had nothing to match against enters the history withou
   for (const HistoryPoint& point : loop.selected) CHECK(point.residual < 0);
 }
 
-TEST_CASE("the age taper falls by e per time constant") {
+TEST_CASE("the age taper falls by e per time constant") {  // eq. HIS-4
   BalancedHistory policy = balanced({.cap = 1000, .age_taper = 0.1});
   UpdateLoop loop(policy);
   for (int k = 0; k < 10; ++k) loop.step(20 * kMs);

@@ -51,7 +51,7 @@ TEST_CASE("literal: every old point at half the weight of a fresh one, all count
   CHECK(make<LiteralHistory>({.weight = 0.2, .reuse = {}}).weight(100, 100) == 0.2);
 }
 
-TEST_CASE("full: every old point like a fresh one") {
+TEST_CASE("full: every old point like a fresh one") {  // eq. HIS-4
   check_takes_all(make<FullHistory>());
   const auto policy = make<FullHistory>();
   for (const std::size_t history : {1U, 100U, 5000U}) CHECK(policy.weight(100, history) == 1.0);

@@ -83,7 +83,7 @@ TEST_CASE("min_distance: what enters is no nearer to the map nor to what has ent
              });
 }
 
-TEST_CASE("cell_nearest: what enters has no neighbour in the map nearer to the centre of its cell") {
+TEST_CASE("cell_nearest: what enters has no neighbour in the map nearer to the centre of its cell") {  // eq. INS-2
   const double cell = 0.2;
   const auto squared_to_centre = [&](const Vec3& q, const Vec3& p) {
     const Vec3 centre(cell * (std::floor(p.x() / cell) + 0.5), cell * (std::floor(p.y() / cell) + 0.5),

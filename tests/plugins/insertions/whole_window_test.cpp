@@ -12,7 +12,7 @@ using test::RandomWindows;
 using test::RecordingMap;
 
 TEST_CASE("whole_window: every update inserts what is inside its window, the old points moved by the correction") {
-  test::BuildEnvironment environment;
+  test::BuildEnvironment environment;  // eq. INS-1
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     plugins::InsertWholeWindow insertion({}, environment.context());

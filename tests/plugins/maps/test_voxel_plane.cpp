@@ -1,6 +1,7 @@
 // Planes in voxels: levels, closing, flatness. (eq. MAP-1)
 #include <catch2/catch.hpp>
 
+#include "aslio/core/errors.hpp"
 #include "plugins/maps/map_fixture.hpp"
 
 using namespace aslio;
@@ -102,4 +103,46 @@ TEST_CASE("voxel_plane: what is trimmed is forgotten, and its memory used again"
   CHECK(planes.at_point({20.5, 0.5, 0.2}).valid);
   CHECK(!planes.at_point({0.5, 0.5, 0.2}).valid);
   CHECK(planes.map->memory_bytes() <= 2 * bytes);
+}
+
+TEST_CASE("voxel_plane: far from the origin planes are as exact, and beyond the range of voxels points are refused") {
+  for (const double far : {0.0, 1e5, 5e5}) {
+    CAPTURE(far);
+    Planes planes("{type: voxel_plane, voxel: 0.5, levels: 1}", 0.5);
+    planes.corner += Vec3(far, -far, 0);  // whole voxels
+    planes.floor(0, 0.5, 0.2, 200, 1, 0.005);
+    const Surface found = planes.at_point({0.25, 0.25, 0.2});
+    REQUIRE(found.valid);
+    CHECK(std::abs(found.anchor.z() - 0.2) < 1e-3);
+    CHECK(std::abs(found.normal.z()) > 0.9995);
+  }
+  Planes planes("{type: voxel_plane, voxel: 0.5, levels: 1}", 0.5);
+  planes.corner += Vec3(5.3e5, 0, 0);
+  CHECK(planes.floor(0, 0.5, 0.2, 200) == 0);
+  CHECK(planes.map->size() == 0);
+  CHECK_FALSE(planes.at_point({0.25, 0.25, 0.2}).valid);
+}
+
+TEST_CASE("voxel_plane: a clump or a line is no plane, whatever the rounding says of its thickness") {
+  for (const Vec3& along : {Vec3(0, 0, 0), Vec3(0.3, 0.2, 0.1), Vec3(0.45, 0, 0)}) {
+    CAPTURE(along.transpose());
+    for (int k = 0; k < 50; ++k) {
+      Planes planes("{type: voxel_plane, voxel: 0.5, levels: 1}", 0.5);
+      const Vec3 begin(planes.uniform(0.01, 0.04), planes.uniform(0.01, 0.4), planes.uniform(0.01, 0.4));
+      const Vec3 shift = k * Vec3(0.0003, 0.0007, 0.0005);
+      std::vector<WorldPoint> points;
+      for (int i = 0; i < 100; ++i) points.push_back(at(planes.corner + begin + shift + (i / 100.0) * along));
+      planes.map->insert(points, 1);
+      CHECK_FALSE(planes.at_point(begin + shift).valid);
+    }
+  }
+}
+
+TEST_CASE("voxel_plane: parameters out of range are refused") {
+  EveryMap fixture;
+  for (const char* wrong : {"thickness: 0", "thickness: -0.02", "doubt: -1", "min_points: 3", "voxel: -0.5",
+                            "levels: 0", "radius: 0", "max_points: 5, min_points: 10"}) {
+    CAPTURE(wrong);
+    CHECK_THROWS_AS(fixture.make("{type: voxel_plane, " + std::string(wrong) + "}"), ConfigError);
+  }
 }

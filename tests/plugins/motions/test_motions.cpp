@@ -70,7 +70,7 @@ StateVector minus(const NavState& a, const NavState& b) {
 }  // namespace
 
 TEST_CASE("every motion model: transition and noise Jacobians agree with central differences") {
-  const Fixture f;
+  const Fixture f;  // eqs. MOT-2, MOT-4, MOT-6
   for (const std::string& type : f.catalog.types("motions")) {
     INFO(type);
     const auto motion = f.make(type);
@@ -185,7 +185,7 @@ double position_error_after(const MotionModel& motion, double seconds, int sampl
 }  // namespace
 
 TEST_CASE("midpoint integration of an analytic trajectory converges with the square of the step, Euler with the step") {
-  const Fixture f;
+  const Fixture f;  // eqs. MOT-1, MOT-4
   const auto midpoint = f.make("imu_midpoint");
   const double coarse = position_error_after(*midpoint, 10.0, 200);
   const double fine = position_error_after(*midpoint, 10.0, 2000);

@@ -1,4 +1,4 @@
-// The score may not depend on the length of the frames, which it sets: a turn at a constant rate.
+// The score may not depend on the length of the frames, which it sets: a turn at a constant rate. (eq. SOD-3)
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -60,7 +60,7 @@ std::vector<WorldPoint> cloud(std::size_t n, double half, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("soft overlap of points at known layers") {
+TEST_CASE("soft overlap of points at known layers") {  // eq. SOD-2
   test::BuildEnvironment environment;
   SoftVoxel soft(plain<SoftVoxel::Params>(), environment.context());
   soft.extend(std::vector<WorldPoint>{at(0.1, 0.1, 0.1)}, 0);
@@ -72,7 +72,7 @@ TEST_CASE("soft overlap of points at known layers") {
   REQUIRE(*score.value == Approx((1.0 + 0.75 + 0.5 + 0.25) / 5.0).epsilon(1e-15));
 }
 
-TEST_CASE("cells are floors: around the origin no voxel is of double size") {
+TEST_CASE("cells are floors: around the origin no voxel is of double size") {  // eq. SOD-1
   test::BuildEnvironment environment;
   HardVoxel hard(plain<HardVoxel::Params>(1.0), environment.context());
   hard.extend(std::vector<WorldPoint>{at(0.5, 0.5, 0.5)}, 0);
@@ -86,7 +86,7 @@ TEST_CASE("cells are floors: around the origin no voxel is of double size") {
   }
 }
 
-TEST_CASE("a margin of no weight equals the hard overlap, any weight is no less") {
+TEST_CASE("a margin of no weight equals the hard overlap, any weight is no less") {  // eq. SOD-1
   test::BuildEnvironment environment;
   auto none = plain<SoftVoxel::Params>();
   none.beta = SoftVoxel::Beta::list;
@@ -180,7 +180,7 @@ TEST_CASE("a point counts once it is `delay` older than the middle of the frame,
   REQUIRE(score(2 * end) == 1.0);
 }
 
-TEST_CASE("shorter frames hide what is new from the score, unless it is delayed") {
+TEST_CASE("shorter frames hide what is new from the score, unless it is delayed") {  // eq. SOD-3
   test::BuildEnvironment environment;
   // The view of 1 m moves along a wall at 2 m/s; a frame holds the points of the last step. Share of points unknown:
   const auto unknown = [&](double delay, int step_ms) {

@@ -77,7 +77,7 @@ double angle(const Vec3& a, const Vec3& b) { return a.cross(b).norm(); }
 
 }  // namespace
 
-TEST_CASE("planes equal the eigenvector of the scatter, whatever the noise") {
+TEST_CASE("planes equal the eigenvector of the scatter, whatever the noise") {  // eq. RES-1
   test::BuildEnvironment environment;
   Random random(1);
   for (const int k : {3, 5, 8, 20}) {
@@ -182,7 +182,7 @@ TEST_CASE("the Jacobian equals central differences of the residual") {
   }
 }
 
-TEST_CASE("gate, kernels and quality weigh a row") {
+TEST_CASE("gate, kernels and quality weigh a row") {  // eq. RES-1
   test::BuildEnvironment environment;
   const std::vector<Surface> surface{{Vec3::UnitZ(), Vec3::Zero(), 0.5, true}};
   const auto information = [&](const PointToPlane::Params& params, double r, float range) {

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "aslio/core/lie.hpp"
 #include "plugins/windows/configured_window.hpp"
@@ -43,7 +44,7 @@ TEST_CASE("imu_rate: at rest a frame is one update") {
   }
 }
 
-TEST_CASE("imu_rate: one part more per 1.5 rad/s or 4 m/s^2, whichever is more, up to n_max") {
+TEST_CASE("imu_rate: one part more per 1.5 rad/s or 4 m/s^2, whichever is more, up to n_max") {  // eq. WIN-6
   struct Row {
     double rate, acceleration, parts;
   };
@@ -107,13 +108,27 @@ TEST_CASE("imu_rate: gravity is taken off with the attitude and the biases of th
   CHECK(plan->seg_time == 1);
 }
 
-TEST_CASE("imu_rate: a sample that is no number counts for nothing") {
+TEST_CASE("imu_rate: a sample that is not finite counts for nothing, and hides nothing that comes after it") {
   const auto broken = [](ImuSample& sample) {
     sample.gyro.z() = sample.t == 20 * kMs ? 2.0 : 0.1;
     if (sample.t == 30 * kMs) sample.gyro.z() = std::nan("");
     if (sample.t == 40 * kMs) sample.acc.x() = std::nan("");
+    if (sample.t == 45 * kMs) sample.gyro.x() = std::numeric_limits<double>::infinity();
+    if (sample.t == 50 * kMs) sample.acc.z() = -std::numeric_limits<double>::infinity();
   };
   CHECK(parts(broken) == 2);
+  CHECK(parts([&](ImuSample& sample) {
+          broken(sample);
+          if (sample.t == 80 * kMs) sample.acc.x() = 13.0;  // 13 m/s^2 across gravity: 3.25 units
+        }) == 4);
+  // The attitude is kept up over the time of a sample that is missing.
+  const auto rolling = [](ImuSample& sample) {
+    const double angle = 1.4 * to_seconds(sample.t);
+    sample.gyro = Vec3(1.4, 0, 0);
+    sample.acc = exp_so3(Vec3(-angle, 0, 0)) * kUp;
+    if (sample.t > 20 * kMs && sample.t <= 50 * kMs) sample.gyro.setConstant(std::nan(""));
+  };
+  CHECK(parts(rolling, "{type: imu_rate, acc_unit: 0.2}") == 1);
 }
 
 TEST_CASE("imu_rate: the parts of a frame are equal, and each frame is cut by its own motion") {

@@ -28,7 +28,7 @@ std::vector<TimeNs> ends_in_ms(const std::vector<WindowPlan>& plans) {
 
 }  // namespace
 
-TEST_CASE("motion_rate: without a turn an update per frame, without history") {
+TEST_CASE("motion_rate: without a turn an update per frame, without history") {           // eq. WIN-5
   const auto plans = test::plans_of("motion_rate", turning_stream(0, 1000 * kMs, 1.04));  // 59.6 deg/s
   REQUIRE(plans.size() == 10);
   for (const WindowPlan& plan : plans) {

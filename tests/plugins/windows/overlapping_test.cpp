@@ -27,7 +27,7 @@ TEST_CASE("overlapping: each window is its step and what came before it, of one 
   }
 }
 
-TEST_CASE("overlapping: by default a sweep of 0.1 s in two halves") {
+TEST_CASE("overlapping: by default a sweep of 0.1 s in two halves") {  // eq. WIN-4
   const auto plans = test::plans_of("overlapping", dense_stream(400));
   REQUIRE(plans.size() == 8);
   CHECK(plans[3].history_begin == 100 * kMs);

@@ -106,7 +106,7 @@ TEST_CASE("replay: updates that a gap has swallowed are left out") {
   CHECK(plans[6].end == 850 * kMs);
 }
 
-TEST_CASE("replay: the yoked controls keep the number of updates and their pace") {
+TEST_CASE("replay: the yoked controls keep the number of updates and their pace") {  // eq. WIN-7
   const test::TemporaryFolder folder;
   std::string text = "t_ns\n";
   for (TimeNs t = 100, i = 0; t <= 1500; t += i++ < 10 ? 20 : 100) text += std::to_string(t * kMs) + '\n';

@@ -13,7 +13,7 @@ constexpr std::int64_t kNoLimit = 1000;
 
 }  // namespace
 
-TEST_CASE("the worked table of overlap, segments, shift and echo") {
+TEST_CASE("the worked table of overlap, segments, shift and echo") {  // eqs. WIN-1, WIN-2
   struct Row {
     double seg_step, overlap;
     std::int64_t n;

@@ -42,7 +42,7 @@ test::WindowLoop::Overlap constant(std::optional<double> overlap) {
 
 }  // namespace
 
-TEST_CASE("the trace of the adaptive window") {
+TEST_CASE("the trace of the adaptive window") {  // eq. WIN-2
   // Overlap measured at the end of each window; length [ms] and n of the window, and the echo left when it was cut.
   struct Step {
     double overlap, shift_ms;

@@ -158,7 +158,7 @@ bool same(const WindowPlan& a, const WindowPlan& b) {
 
 }  // namespace
 
-TEST_CASE("every strategy tiles any stream, each point once, however the data was packed") {
+TEST_CASE("every strategy tiles any stream, each point once, however the data was packed") {  // eq. WIN-3
   Candidates candidates;
   for (const std::string& candidate : candidates.all()) {
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {

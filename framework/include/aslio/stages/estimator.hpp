@@ -45,7 +45,7 @@ struct MatchRecord {
   float residual = 0;  ///< signed z at the posterior [m]
 };
 
-/// Wall-clock time spent per part [s]; never used in a decision.
+/// CPU time of the calling thread per part [s], disjoint; never used in a decision.
 struct StageTimes {
   double predict = 0, deskew = 0, sample = 0, associate = 0, solve = 0, overlap = 0, insert = 0, window = 0;
 };
@@ -63,8 +63,9 @@ struct Update {
   int iterations = 0;
   std::uint32_t fresh_matches = 0;
   std::uint32_t history_matches = 0;
-  std::uint32_t history_points = 0;             ///< offered by the history policy
-  double residual_rms = 0;                      ///< of accepted fresh residuals [m]
+  std::uint32_t history_points = 0;  ///< offered by the history policy
+  double residual_rms = 0;           ///< of accepted fresh residuals [m]
+  double nis = 0;  ///< squared innovation of the fresh residuals at the prior, per match (eq. IESKF-10); 0: none
   std::span<const NavState> states;             ///< states inside the window in time order, the last is `state`
   const TrajectoryModel* trajectory = nullptr;  ///< T_W_I over the fresh interval
   StageTimes times;
