@@ -120,6 +120,28 @@ TEST_CASE("an interrupted study keeps what is finished and goes on from there") 
   CHECK(column(bench.folder / "out/results.csv", "status") == std::vector<std::string>(4, "ok"));
 }
 
+TEST_CASE("a schedule that has changed is replayed again, and large outputs stay") {
+  const Bench bench(head() + "datasets: [{scene: small.yaml, name: q}]\noutputs: [dense, map, world]\nmethods:\n" +
+                    method("fixed", "fixed_window") +
+                    method("replayed", "fixed_window", "set: {window: {type: replay, file: '{data}/mine.csv'}}"));
+  const Ended first = bench.run();  // the schedule is not there
+  INFO(first.err);
+  CHECK(first.code == 1);
+  for (const char* file : {"runs/q_1/fixed/trajectory_dense.tum", "runs/q_1/fixed/map.ply", "data/q_1/world.ply"}) {
+    INFO(file);
+    CHECK(fs::exists(bench.folder / "out" / file));
+  }
+  const std::string updates = content(bench.folder / "out/runs/q_1/fixed/updates.csv");
+  write_text(bench.folder / "out/data/q_1/mine.csv", updates);
+  CHECK_THAT(bench.run().err, Contains("[1/1] q_1/replayed: ok"));
+  CHECK_THAT(bench.run({"--dry-run"}).out, Contains("0 runs to do, 2 finished"));
+  std::size_t cut = 0;  // half of the schedule
+  for (std::size_t k = 0; k < 8; ++k) cut = updates.find('\n', cut) + 1;
+  write_text(bench.folder / "out/data/q_1/mine.csv", updates.substr(0, cut));
+  CHECK_THAT(bench.run({"--dry-run"}).out, Contains("1 runs to do, 1 finished"));
+  CHECK_THAT(bench.run().err, Contains("[1/1] q_1/replayed: ok"));
+}
+
 TEST_CASE("options of the command that are wrong are told") {
   const Bench bench(study_text());
   CHECK_THAT(bench.run({"--seeds", "3-1"}).err, Contains("--seeds 3-1"));

@@ -93,3 +93,42 @@ TEST_CASE("the key of a run changes with what the run depends on, and with nothi
   write_text(files.folder / "scene_a.yaml", "first, changed\n");
   CHECK(keys(text)[1] != before[1]);
 }
+
+TEST_CASE("the key of a run goes with the content of the schedule that it replays") {
+  const StudyFiles files;
+  const auto keys = [&](const std::string& file) {
+    const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" +
+                                   method("fixed", "fixed_window") +
+                                   method("replayed", "as_lio", "set: {window: {type: replay, file: '" + file + "'}}"));
+    std::vector<std::string> out;
+    for (const StudyRun& run : plan_runs(study, "program", files.folder / "out/runs")) out.push_back(run.key);
+    return out;
+  };
+  const std::string written = files.folder / "schedule.csv", kept = "out/data/scene_a_2/oracle.csv";
+  write_text(written, "t_ns\n100\n200\n");
+  const auto first = keys(written);
+  write_text(written, "t_ns\n100\n300\n");
+  const auto second = keys(written);
+  CHECK(second[0] == first[0]);
+  CHECK(second[1] != first[1]);
+
+  // One that a script puts beside the kept truth, where there is none at first.
+  const auto without = keys("{data}/oracle.csv");
+  CHECK(keys("{data}/oracle.csv") == without);
+  std::filesystem::create_directories((files.folder / kept).parent_path());
+  write_text(files.folder / kept, "t_ns\n100\n200\n");
+  const auto with = keys("{data}/oracle.csv");
+  CHECK(with[0] == without[0]);
+  CHECK(with[1] != without[1]);
+  write_text(files.folder / kept, "t_ns\n100\n300\n");
+  CHECK(keys("{data}/oracle.csv")[1] != with[1]);
+}
+
+TEST_CASE("large outputs are part of the key") {
+  const StudyFiles files;
+  const std::string text = head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("fixed", "fixed_window");
+  const auto key = [&](const std::string& outputs) { return plan_runs(files.load(text + outputs), "program")[0].key; };
+  CHECK(key("outputs: [dense]\n") != key(""));
+  CHECK(key("outputs: [dense]\n") != key("outputs: [map]\n"));
+  CHECK_THAT(files.complaint(text + "outputs: [pictures]\n"), Catch::Matchers::Contains("pictures"));
+}

@@ -54,7 +54,7 @@ std::string program_identity(const Stages& stages) {
 }
 
 std::string plan_text(const experiment::Study& study, const experiment::StudyOptions& options) {
-  const auto runs = experiment::plan_runs(study, options.program);
+  const auto runs = experiment::plan_runs(study, options.program, fs::absolute(options.output) / "runs");
   const auto selected = experiment::select_runs(study, runs, options.only);
   const auto rows = experiment::rows_so_far(study, runs, options.output);
   std::string text;

@@ -106,6 +106,9 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
           "seeds of `aslio run`: replicates over the same data");
   b.text("baseline", study.baseline, "method to compare the others with; empty: none");
   b.texts("metrics", study.metrics, study_metrics(), "figures that tables show");
+  b.texts("outputs", study.outputs, {"dense", "map", "world"},
+          "large files that stay: every state of a run (`aslio run --dense`), its map (map.ply), the surfaces of the "
+          "simulated world (world.ply)");
   b.real("time_limit", study.time_limit, "s", {.above = 0.0, .max = 1e6}, "of a run; longer ones are ended");
   b.real("memory_limit", study.memory_limit, "MB", {.min = 1.0, .max = 1e7},
          "resident memory of a run; larger ones are ended");

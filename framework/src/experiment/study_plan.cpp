@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
 
+#include "aslio/config/document.hpp"
+#include "aslio/config/node.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/study.hpp"
 
@@ -9,17 +11,10 @@ namespace aslio::experiment {
 
 namespace {
 
+constexpr const char* kData = "{data}";
+
 std::string folder_of(const StudyMethod& method, std::uint64_t order_seed) {
   return order_seed == 0 ? method.name : fmt::format("{}_order_{}", method.name, order_seed);
-}
-
-/// Where a run reads files of other runs, their keys stand for those: a change there is a change here.
-std::string key_of(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
-                   std::string_view program) {
-  std::string text = fmt::format("aslio run\n{}\n{}\norder seed {}\n{}\n", program, study.data[run.data].identity,
-                                 run.order_seed, study.methods[run.method].resolved);
-  for (const std::size_t used : run.uses) text += runs[used].key + "\n";
-  return sha256_of(text);
 }
 
 /// `path` inside a double-quoted YAML text.
@@ -32,20 +27,47 @@ std::string escaped(const std::filesystem::path& path) {
   return out;
 }
 
-void replace_all(std::vector<std::string>& texts, const std::string& placeholder, const std::string& value) {
-  for (std::string& text : texts) {
-    for (std::size_t at = text.find(placeholder); at != std::string::npos;
-         at = text.find(placeholder, at + value.size())) {
-      text.replace(at, placeholder.size(), value);
-    }
+void replace_all(std::string& text, const std::string& placeholder, const std::string& value) {
+  for (std::size_t at = text.find(placeholder); at != std::string::npos;
+       at = text.find(placeholder, at + value.size())) {
+    text.replace(at, placeholder.size(), value);
   }
+}
+
+std::filesystem::path data_folder(const Study& study, const StudyRun& run, const std::filesystem::path& runs_folder) {
+  return runs_folder.parent_path() / "data" / study.data[run.data].name;
+}
+
+/// A line for every text below `node` that names a file: the digest of its content.
+void append_files(const config::Node& node, const std::string& data, std::string& text) {
+  for (const config::Node& item : node.items()) append_files(item, data, text);
+  for (const config::Member& member : node.members()) append_files(member.value, data, text);
+  if (!node.is_scalar() || node.text().empty()) return;
+  std::string path = node.text();
+  replace_all(path, kData, data);
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored)) text += "file " + sha256_of_file(path) + "\n";
 }
 
 bool matches(const std::string& glob, const std::string& text) { return ::fnmatch(glob.c_str(), text.c_str(), 0) == 0; }
 
 }  // namespace
 
-std::vector<StudyRun> plan_runs(const Study& study, std::string_view program) {
+std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
+                    std::string_view program, const std::filesystem::path& runs_folder) {
+  const std::string& resolved = study.methods[run.method].resolved;
+  std::string text = fmt::format("aslio run\n{}\n{}\norder seed {}\n{}\n", program, study.data[run.data].identity,
+                                 run.order_seed, resolved);
+  // Where a run reads files of other runs, their keys stand for those: a change there is a change here.
+  for (const std::size_t used : run.uses) text += runs[used].key + "\n";
+  for (const std::string& output : study.config.outputs) text += "output " + output + "\n";
+  append_files(config::parse_document(resolved, study.methods[run.method].name),
+               data_folder(study, run, runs_folder).string(), text);
+  return sha256_of(text);
+}
+
+std::vector<StudyRun> plan_runs(const Study& study, std::string_view program,
+                                const std::filesystem::path& runs_folder) {
   std::vector<StudyRun> runs;
   for (std::size_t d = 0; d < study.data.size(); ++d) {
     for (const std::uint64_t order_seed : study.order_seeds) {
@@ -54,7 +76,7 @@ std::vector<StudyRun> plan_runs(const Study& study, std::string_view program) {
         StudyRun run{.data = d, .method = m, .order_seed = order_seed, .folder = {}, .key = {}, .uses = {}};
         run.folder = folder_of(study.methods[m], order_seed);
         for (const auto& [name, used] : study.methods[m].uses) run.uses.push_back(first + used);
-        run.key = key_of(study, runs, run, program);
+        run.key = run_key(study, runs, run, program, runs_folder);
         runs.push_back(std::move(run));
       }
     }
@@ -66,11 +88,13 @@ std::vector<std::string> overrides_of(const Study& study, const std::vector<Stud
                                       const std::filesystem::path& runs_folder) {
   std::vector<std::string> overrides = study.methods[run.method].set;
   const std::string& data = study.data[run.data].name;
-  replace_all(overrides, "{data}", escaped(runs_folder.parent_path() / "data" / data));
   const auto& uses = study.methods[run.method].uses;
-  for (std::size_t k = 0; k < uses.size(); ++k) {
-    replace_all(overrides, fmt::format("{{run:{}}}", uses[k].first),
-                escaped(runs_folder / data / runs[run.uses[k]].folder));
+  for (std::string& text : overrides) {
+    replace_all(text, kData, escaped(data_folder(study, run, runs_folder)));
+    for (std::size_t k = 0; k < uses.size(); ++k) {
+      replace_all(text, fmt::format("{{run:{}}}", uses[k].first),
+                  escaped(runs_folder / data / runs[run.uses[k]].folder));
+    }
   }
   return overrides;
 }

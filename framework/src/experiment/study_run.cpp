@@ -65,8 +65,8 @@ class Schedule {
         options_(options),
         monitor_(monitor),
         runs_folder_(fs::absolute(options.output) / "runs"),
-        store_(options.output, options.data, options.keep_data) {
-    result_.runs = plan_runs(study, options.program);
+        store_(options.output, options.data, options.keep_data, asks_for("world")) {
+    result_.runs = plan_runs(study, options.program, runs_folder_);
     result_.rows = rows_so_far(study, result_.runs, options.output);
     const std::vector<bool> selected = select_runs(study, result_.runs, options.only);
     data_.resize(study.data.size());
@@ -111,6 +111,11 @@ class Schedule {
     fs::path folder, log;
     std::unique_ptr<ChildProcess> child;
   };
+
+  bool asks_for(std::string_view output) const {
+    const auto& outputs = study_.config.outputs;
+    return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
+  }
 
   void stop() {
     result_.interrupted = true;
@@ -185,6 +190,7 @@ class Schedule {
                                           "--threads", fmt::to_string(std::clamp(share, 1L, 256L)),
                                           "--quiet"};
     for (const std::string& assignment : data.set) arguments.insert(arguments.end(), {"--set", assignment});
+    if (asks_for("world")) arguments.insert(arguments.end(), {"--save-world", (folder / kWorldFile).string()});
     data_[d].state = DataState::simulating;
     active_.push_back({std::nullopt, d, folder, log,
                        std::make_unique<ChildProcess>(arguments, log, kSimulationLimit, study_.config.memory_limit)});
@@ -218,8 +224,10 @@ class Schedule {
   }
 
   void start_run(std::size_t i) {
-    const StudyRun& run = result_.runs[i];
+    StudyRun& run = result_.runs[i];
     const StudyMethod& method = study_.methods[run.method];
+    // A file that its pipeline names may have come or changed since the runs were planned.
+    run.key = run_key(study_, result_.runs, run, options_.program, runs_folder_);
     // Under another name until it is finished, so that nothing half-written is taken for a run.
     fs::path folder = final_folder(i);
     const std::string partial = fmt::format(".{}.partial-", run.folder);
@@ -235,6 +243,8 @@ class Schedule {
     for (const std::string& assignment : overrides_of(study_, result_.runs, run, runs_folder_)) {
       arguments.insert(arguments.end(), {"--set", assignment});
     }
+    if (asks_for("dense")) arguments.emplace_back("--dense");
+    if (asks_for("map")) arguments.insert(arguments.end(), {"--save-map", (folder / "map.ply").string()});
     arguments.insert(arguments.end(), options_.run_options.begin(), options_.run_options.end());
     const fs::path log = folder / "log.txt";
     states_[i] = RunState::active;

@@ -28,12 +28,6 @@ std::string identity_of(const fs::path& folder) {
   return text;
 }
 
-/// Whole data of this identity: `aslio simulate` writes dataset.yaml last, and the identity is written after it.
-bool holds(const fs::path& folder, const std::string& identity) {
-  std::error_code ignored;
-  return identity_of(folder) == identity && fs::exists(folder / "dataset.yaml", ignored);
-}
-
 /// By name alone, and, for other data of the same name (another scale or another version of the scene), with identity.
 std::vector<fs::path> places(const fs::path& root, const StudyData& data) {
   return {root / data.name, root / fmt::format("{}-{}", data.name, data.identity.substr(0, 8))};
@@ -67,14 +61,25 @@ std::optional<FolderLock> FolderLock::take(const fs::path& folder, bool exclusiv
 
 bool FolderLock::change(bool exclusive) const { return ::flock(file_, (exclusive ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0; }
 
-StudyStore::StudyStore(fs::path output, const std::optional<fs::path>& shared, bool keep)
-    : output_(std::move(output)), root_(shared ? *shared : output_ / "simulated"), own_root_(!shared), keep_(keep) {
+StudyStore::StudyStore(fs::path output, const std::optional<fs::path>& shared, bool keep, bool world)
+    : output_(std::move(output)),
+      root_(shared ? *shared : output_ / "simulated"),
+      own_root_(!shared),
+      keep_(keep),
+      world_(world) {
   remove_leftovers();
 }
 
 StudyStore::~StudyStore() {
   std::error_code ignored;
   if (own_root_) fs::remove(root_, ignored);  // only when it is empty
+}
+
+/// Whole data of this identity: `aslio simulate` writes dataset.yaml last, and the identity is written after it.
+bool StudyStore::holds(const fs::path& folder, const std::string& identity) const {
+  std::error_code ignored;
+  return identity_of(folder) == identity && fs::exists(folder / "dataset.yaml", ignored) &&
+         (!world_ || fs::exists(folder / kWorldFile, ignored));
 }
 
 std::optional<fs::path> StudyStore::find(const StudyData& data) {
@@ -154,7 +159,9 @@ std::size_t StudyStore::made() const {
 void StudyStore::keep_small_files(const StudyData& data, const fs::path& folder) const {
   const fs::path target = output_ / "data" / data.name;
   create(target);
-  for (const char* file : {"truth.tum", "overlap.csv", "scene.yaml", "preview.svg"}) {
+  std::vector<const char*> files = {"truth.tum", "overlap.csv", "scene.yaml", "preview.svg"};
+  if (world_) files.push_back(kWorldFile);
+  for (const char* file : files) {
     std::error_code error;
     fs::copy_file(folder / file, target / file, fs::copy_options::overwrite_existing, error);
     if (error) throw DataError(fmt::format("{}: cannot be written: {}", (target / file).string(), error.message()));

@@ -29,11 +29,15 @@ class FolderLock {
   int file_ = -1;
 };
 
+/// The surfaces of a simulated world, where the study asks for them.
+inline constexpr const char* kWorldFile = "world.ply";
+
 /// The data of one study. Not for several threads.
 class StudyStore {
  public:
   /// `output`: of the study; `shared`: folder of simulated data for any number of studies.
-  StudyStore(std::filesystem::path output, const std::optional<std::filesystem::path>& shared, bool keep);
+  /// `world`: data without world.ply are not whole.
+  StudyStore(std::filesystem::path output, const std::optional<std::filesystem::path>& shared, bool keep, bool world);
   ~StudyStore();
   StudyStore(const StudyStore&) = delete;
   StudyStore& operator=(const StudyStore&) = delete;
@@ -58,12 +62,13 @@ class StudyStore {
     FolderLock lock;
   };
   std::filesystem::path partial(const StudyData& data) const;
+  bool holds(const std::filesystem::path& folder, const std::string& identity) const;
   /// Truth and overlap are small, and what figures need: they stay.
   void keep_small_files(const StudyData& data, const std::filesystem::path& folder) const;
   void remove_leftovers() const;
 
   std::filesystem::path output_, root_;
-  bool own_root_, keep_;
+  bool own_root_, keep_, world_;
   std::map<std::string, Entry> entries_;  // by name of the data
 };
 

@@ -51,8 +51,9 @@ struct StudyConfig {
   std::vector<double> order_seeds{0.0};
   std::string baseline;
   std::vector<std::string> metrics{"ate_m", "ate_deg", "end_to_end_m"};
-  double time_limit = 600;     ///< of a run [s]
-  double memory_limit = 8000;  ///< resident memory of a run [MB]
+  std::vector<std::string> outputs;  ///< large ones that stay: "dense", "map", "world"
+  double time_limit = 600;           ///< of a run [s]
+  double memory_limit = 8000;        ///< resident memory of a run [MB]
   static void describe(config::Binder& b, StudyConfig& study);
 };
 
@@ -121,8 +122,14 @@ struct StudyRun {
   std::vector<std::size_t> uses;  ///< runs that must be finished before
 };
 
-/// All runs, by data, order seed and method. `program` identifies the program with its plugins.
-std::vector<StudyRun> plan_runs(const Study& study, std::string_view program);
+/// All runs, by data, order seed and method. `program` identifies the program with its plugins; `runs_folder` as in
+/// overrides_of().
+std::vector<StudyRun> plan_runs(const Study& study, std::string_view program,
+                                const std::filesystem::path& runs_folder = {});
+
+/// The key of a run, by what is now in the files that its pipeline names: a schedule, for one.
+std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
+                    std::string_view program, const std::filesystem::path& runs_folder);
 
 /// Overrides of the run's pipeline with {run:NAME} replaced by folders below `runs_folder`, and {data} by the folder
 /// beside it where truth and overlap of the run's simulated data stay.
