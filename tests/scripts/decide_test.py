@@ -124,8 +124,78 @@ class Verdicts(StudyCase):
         for ratio, outcome in ((1.09, "holds"), (1.2, "does not hold")):
             ours["indoor_1"] = 0.1 * ratio
             self.study("ideal_imu", [(s, 1, m, v) for s in NINE
-                                     for m, v in (("fixed_10", 0.1), ("fixed_20", 0.15), ("as_lio", ours[s]))])
-            self.assertIn(f"(needs 9): **{outcome}**", self.decide()[1])
+                                     for m, v in (("fixed_10_history", 0.1), ("fixed_20", 0.15), ("as_lio", ours[s]))])
+            self.assertIn(f"fixed_10_history on {9 if ratio < 1.1 else 8} of 9 sequences (needs 9): **{outcome}**", self.decide()[1])
+        # The tuning data have another best rate, which is the one that counts.
+        runs = self.root
+        self.root = self.root / "tuning"
+        self.root.mkdir()
+        self.study("adaptivity", [("quickstart", 100, m, v) for m, v in (("fixed_10_history", 0.2), ("fixed_20", 0.1))])
+        code, out, _ = printed(decide.main, runs, "--tuning", self.root)
+        self.assertEqual(code, 0)
+        self.assertIn("at most 10 % above fixed_20 on 9 of 9 sequences (needs 9): **holds**", out)
+
+    def schedule(self, sequence, method, updates, matches, sigma=0.06):
+        """Ten seconds of updates of one run, the first without a map."""
+        folder = self.root / f"runs/{sequence}_1/{method}"
+        t = np.linspace(0, 10, updates + 1)
+        write_csv(folder / "updates.csv", {"t_ns": [round(x * 1e9) + 10**18 for x in [-0.5, *t]],
+                                           "status": ["initialising"] + ["ok"] * len(t), "n_fresh_matches": [9] + [matches] * len(t)})
+        (folder / "resolved.yaml").write_text(f"estimator:\n  sigma: {sigma}\n  degenerate_sigma: 7\n")
+
+    def test_yoked_arms_must_have_as_many_updates(self):
+        self.study("yoked", [(s, 1, m, v) for s in NINE for m, v in (("as_lio", 0.05), ("fixed_mean", 0.1), ("gyro", 0.1))])
+        for s in NINE:
+            self.schedule(s, "as_lio", 100, 10)
+            self.schedule(s, "fixed_mean", 109, 10)
+            self.schedule(s, "gyro", 111 if s == "outdoor_3" else 100, 10)
+        code, out = self.decide()
+        self.assertEqual(code, 1)
+        self.assertIn("| indoor_1 | 10 | 10.9 | 10 |", out)
+        self.assertIn("as_lio below fixed_mean on 9 of 9 (needs 6 of 9): **holds**", out)
+        self.assertIn("updates per second of as_lio and gyro differs by 11 % on a sequence (limit 10 %): **undecided**", out)
+
+    def test_equal_points_are_counted(self):
+        arms = {"fixed_10": (100, 500, 0.06), "as_lio": (110, 500, 0.06), "fixed_50_history": (500, 150, 0.06),
+                "fixed_10_equal": (100, 300, 0.06), "fixed_20_equal": (200, 150, 0.06), "fixed_50_equal": (500, 64, 0.06),
+                "fixed_10_share": (100, 300, 0.06), "fixed_50_share": (500, 60, 0.06), "as_lio_share": (120, 300, 0.06),
+                "fixed_50_information": (500, 150, 0.06 * math.sqrt(1.5)), "as_lio_information": (120, 500, 0.06),
+                "fixed_10_spaced": (100, 500, 0.06), "as_lio_spaced": (110, 500, 0.06)}
+        self.study("equal_points", [(s, 1, m, 0.1 if m.startswith("fixed_10") else 0.05) for s in NINE for m in arms])
+        for s in NINE:
+            for method, figures in arms.items():
+                self.schedule(s, method, *figures)
+        _, out = self.decide()
+        self.assertIn("fixed_50_equal below fixed_10_equal on 9 of 9 (needs 6 of 9): **holds**", out)  # 7 % apart
+        self.assertIn("matched points per second of as_lio_share and fixed_10_share differs by 20 % on a sequence", out)
+        self.assertIn("fixed_50_information below fixed_10 on 9 of 9 (needs 6 of 9): **holds**", out)  # half as many again, each worse
+        self.assertIn("information per second of as_lio_information and fixed_10 differs by 20 % on a sequence", out)
+        self.assertIn("at equal insertion: as_lio_spaced below fixed_10_spaced on 9 of 9", out)
+
+    def test_parts_are_judged_at_both_ends_of_the_ladder(self):
+        values = {"as_lio_literal": 0.5, "as_lio": 0.1, "with_map": 0.2, "without_map": 0.1, "with_noise": 0.5, "without_noise": 0.12,
+                  "with_steps": 0.49, "without_steps": 0.105}
+        self.study("literal_ladder", [(s, 1, m, v) for s in NINE[:3] for m, v in values.items()])
+        code, out = self.decide()
+        self.assertEqual(code, 0)
+        for part, up, down, outcome in (("map", 3, 0, "holds"), ("noise", 0, 3, "holds"), ("steps", 0, 0, "does not hold")):
+            self.assertIn(f"{part} holds the literal design back: the literal design with as_lio's gains on {up} of 3, as_lio without it "
+                          f"loses on {down} of 3 (needs 2 of 3 at one end): **{outcome}**", out)
+
+    def test_what_the_filter_needs_and_what_harms_it(self):
+        values = {"as_lio": 0.1, "no_kernel": 0.08, "no_time_offset": 0.12}
+        self.study("calibration_noise_kernel", [(s, 1, m, v) for s in NINE[:3] for m, v in values.items()])
+        _, out = self.decide()
+        self.assertIn("as no_kernel on 0 of 3 (needs 2 of 3); lower on 3: it does harm: **does not hold**", out)
+        self.assertIn("as no_time_offset on 3 of 3 (needs 2 of 3): **holds**", out)
+
+    def test_corrections_make_up_for_long_windows(self):
+        values = {f"{w}_{c}": 0.1 for w in ("fixed_10", "as_lio") for c in ("rigid", "linear", "asymptotic", "state")}
+        self.study("deskew_ablation", [(s, 1, m, v) for s in NINE[:3]
+                                       for m, v in {**values, "fixed_10_rigid": 0.2, "as_lio_state": 0.08}.items()])
+        _, out = self.decide()
+        self.assertIn("gain of the adaptive one is larger with rigid on 3 of 3 (needs 2 of 3): **holds**", out)
+        self.assertIn("as_lio_state is lower by over 10 % than as_lio_linear on 3 of 3 (must not on 2 of 3): **does not hold**", out)
 
     def test_compute_is_saved_where_nothing_as_accurate_is_cheaper(self):
         runs = []
@@ -139,18 +209,19 @@ class Verdicts(StudyCase):
         self.assertIn("| outdoor_6 | gyro_15 | none | yes |", out)
 
     def test_axes_find_the_default(self):
-        axes = ("window.frame_length", "window.seg_step")
-        runs = [(s, 1, f"as_lio_{a}_{b}", 0.08 if (a, b) == (0.2, 0.1) else 0.1, "ok", (a, b))
+        runs = [(s, 1, f"frame_{a}_seg_step_{b}", 0.08 if (a, b) == (0.2, 0.1) else 0.1, "ok", (b,))
                 for s in ("indoor_1", "outdoor_4") for a in (0.1, 0.2) for b in (0.04, 0.1)]
-        self.study("seg_step", runs, figures=("ate_m",), axes=axes)
+        self.study("seg_step", runs, figures=("ate_m",), axes=("window.seg_step",))
         _, out = self.decide()
-        self.assertIn("as_lio_0.2_0.1 is lower by over 10 % than as_lio_0.1_0.1 on 2 of 2 (must not on 2 of 2): **does not hold**", out)
-        self.assertIn("as_lio_0.1_0.04 is lower by over 10 % than as_lio_0.1_0.1 on 0 of 2 (must not on 2 of 2): **holds**", out)
+        self.assertIn("frame_0.2_seg_step_0.1 is lower by over 10 % than frame_0.1_seg_step_0.1 on 2 of 2 (must not on 2 of 2): "
+                      "**does not hold**", out)
+        self.assertIn("frame_0.1_seg_step_0.04 is lower by over 10 % than frame_0.1_seg_step_0.1 on 0 of 2 (must not on 2 of 2): "
+                      "**holds**", out)
 
     def test_a_study_without_a_rule_gets_its_figures(self):
         self.study("my_own", [("a", 1, "first", 0.2), ("a", 1, "second", 0.1)])
         code, out = self.decide()
-        self.assertEqual(code, 0)
+        self.assertEqual(code, 1)  # nothing has been decided
         self.assertIn("| second | first | 1 / 0 / 0 |", out)
         self.assertIn("not one that results.csv decides", out)
         self.study("sod_voxel_size", [("a", 1, "first", 0.2), ("a", 1, "second", 0.1)])
@@ -171,6 +242,12 @@ class Verdicts(StudyCase):
                 folder.mkdir(parents=True)
                 (folder / "resolved.yaml").write_text(text)
         self.assertIn("**Not one configuration: runs of y differ in resolved.yaml.**", self.decide()[1])
+
+    def test_a_method_without_a_run_has_not_survived(self):
+        self.study("table_1", [(s, 1, "fixed_10", 0.1) for s in NINE])
+        code, out = self.decide()
+        self.assertEqual(code, 1)
+        self.assertNotIn("holds", out)
 
     def test_what_is_no_study_is_told(self):
         code, _, err = printed(decide.main, self.root)

@@ -6,6 +6,7 @@ import numpy as np
 
 from hand_made_study import StudyCase, printed, write_tum, yaw
 
+import decide
 import map_consistency as consistency
 
 
@@ -75,6 +76,27 @@ class MapConsistency(StudyCase):
         self.assertIn("| distance to the surface, median [mm] | 30.0 |", out)
         self.assertIn("| RMS [mm] | 30.0 |", out)
         self.assertIn("| farther than 0.25 m | 1.00% |", out)
+
+    def test_the_rule_of_the_study(self):
+        random = np.random.default_rng(6)
+        thickness = {"fixed_10": 0.02, "as_lio": 0.01}
+        self.study("map_consistency", [(s, 1, m, 0.1) for s in ("indoor_1", "indoor_3") for m in thickness])
+        for sequence in ("indoor_1", "indoor_3"):
+            t = self.straight_truth(f"{sequence}_1", seconds=2.0)
+            (self.root / f"data/{sequence}_1/world.ply").write_bytes(
+                ply([(-5, -5, 0), (5, -5, 0), (5, 5, 0), (-5, 5, 0)], [(0, 1, 2), (0, 2, 3)]))
+            for method, sigma in thickness.items():
+                folder = self.root / f"runs/{sequence}_1/{method}"
+                write_tum(folder / "trajectory.tum", t, np.stack([t, np.sin(t), 0 * t], axis=1), [yaw(0)] * len(t))
+                write_tum(self.root / f"data/{sequence}_1/truth.tum", t, np.stack([t, np.sin(t), 0 * t], axis=1), [yaw(0)] * len(t))
+                floor = np.column_stack([random.uniform(-1, 1, (2000, 2)), sigma * random.standard_normal(2000)])
+                (folder / "map.ply").write_bytes(ply(floor))
+        code, out, err = printed(decide.main, self.root)
+        self.assertEqual((code, err), (0, ""))
+        self.assertIn("entropy of as_lio below that of fixed_10 on 2 of 2 (needs 2 of 2): **holds**", out)
+        self.assertIn("RMS distance to the surface of as_lio below that of fixed_10 on 2 of 2 (needs 2 of 2): **holds**", out)
+        line = next(line for line in out.splitlines() if line.startswith("| as_lio |"))
+        self.assertAlmostEqual(float(line.split("|")[3]), 10, delta=0.6)
 
     def test_what_is_no_map_is_told(self):
         (self.root / "map.ply").write_text("ply\nformat ascii 1.0\nend_header\n")

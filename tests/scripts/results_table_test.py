@@ -2,9 +2,13 @@
 import json
 import unittest
 
-from hand_made_study import StudyCase, printed
+import numpy as np
 
+from hand_made_study import StudyCase, printed, write_csv, write_tum, yaw
+
+import divergence
 import results_table
+from study_folder import Study
 
 
 class ResultsTable(StudyCase):
@@ -25,6 +29,49 @@ class ResultsTable(StudyCase):
         self.assertIn("--output out/echo --seeds 1-3\n", out)
         self.assertIn("- as_lio wins 2 of 3 pairs against no_echo (needs most): **holds**", out)
         self.assertNotIn("rotation", out)  # no run has it
+
+    def test_marks_of_the_paper_from_the_truth(self):
+        """100 m at 1 m/s: good; good by its status, but far off late; far off soon; silent; crashed soon; without a truth."""
+        def run(method, status="ok", jump=None, silent=None, end=100.0):
+            t = np.arange(0, end, 0.1)
+            off = np.where(t > (1e9 if jump is None else jump), 6.0, 0.001)
+            folder = self.root / "runs/a_1" / method
+            # Another origin and heading than the truth's.
+            write_tum(folder / "trajectory.tum", t, np.stack([off, t, 0 * t], axis=1) + [3, 4, 5], [yaw(np.pi / 2)] * len(t))
+            refused = (t > silent) & (t < silent + 1.5) if silent else t < 0
+            write_csv(folder / "updates.csv", {"t_ns": [round(x * 1e9) for x in t],
+                                               "status": ["few_matches" if r else "degenerate" for r in refused]})
+            return ("a", 1, method, (0.1, 0.05), status)
+
+        runs = [run("good"), run("late", jump=90.0), run("soon", jump=5.0), run("within", silent=None),
+                run("silent", silent=40.0), run("crashed", "crashed", end=7.0), run("stopped", "timeout", end=30.0),
+                ("b", 1, "good", (0.1, None), "ok")]
+        self.study("mine", runs, figures=("ate_m", "end_to_end_m"))
+        self.straight_truth("a_1", seconds=100.0, text="# --seed 1 --scale 1\n")
+        code, out, err = printed(results_table.main, self.root, "--metrics", "ate_m,end_to_end_m")
+        self.assertEqual((code, err), (0, ""))
+        table = out[out.rindex("| end to end [cm] | method"):]
+        for method, text in (("good", "5.0"), ("late", "-"), ("soon", "x"), ("within", "5.0"), ("silent", "-"), ("crashed", "x"),
+                             ("stopped", "-")):
+            self.assertIn(f"| a | {method} | {text} |", table)
+        self.assertIn("| b | good | - |", table)
+        self.assertIn("| a | late | 0.1000 |", out)  # the ATE stands beside it
+        self.assertIn("`x` where a run failed before a tenth of the way, `-` where it failed later", out)
+        self.assertIn("| late | -, 1 of 1 failed | - |", out)
+
+    def test_five_percent_of_the_way_and_two_metres(self):
+        for jump, error, mark in ((5.0, 1.9, None), (5.0, 2.1, "x"), (60.0, 2.9, None), (60.0, 3.1, "-")):
+            t = np.arange(0, 70, 0.1)
+            self.study("mine", [("a", 1, "m", (0.1, 0.05))], figures=("ate_m", "end_to_end_m"))
+            self.straight_truth("a_1", seconds=100.0)
+            folder = self.root / "runs/a_1/m"
+            # Off for one moment: later on more of the way has been travelled.
+            write_tum(folder / "trajectory.tum", t, np.stack([t, np.where(np.isclose(t, jump), error, 0), 0 * t], axis=1),
+                      [yaw(0)] * len(t))
+            t = np.arange(0, 100, 0.1)
+            write_csv(folder / "updates.csv", {"t_ns": [round(x * 1e9) for x in t], "status": ["ok"] * len(t)})
+            study = Study(self.root)
+            self.assertEqual(divergence.mark(study, study.runs[0]), mark, (jump, error))
 
     def test_several_sequences_are_columns(self):
         self.study("mine", [(s, 1, m, 0.1) for s in ("a", "b") for m in ("x", "y")])

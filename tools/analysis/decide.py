@@ -4,12 +4,13 @@
   tools/analysis/decide.py out/window_ablation --tuning out/tuning
 
 Takes the output folder of `aslio experiment`. The rules are those of the files in experiments/, found by the name of the
-study. Exit 0 when all of the rule is decided, 1 when part of it cannot be (runs or sequences are missing), 2 when the folder
-is no study. Needs numpy.
+study. Exit 0 when all of the rule is decided, 1 when part of it cannot be (runs or sequences are missing, arms that must be
+alike are not) or nothing of it is decided here, 2 when the folder is no study. Needs numpy.
 """
 import argparse
 import sys
 
+import ablations
 import garage
 import mechanism
 import rules
@@ -20,16 +21,18 @@ RULES = {name: getattr(rules, name) for name in (
     "quickstart", "table_1", "adaptivity", "ideal_imu", "window_ablation", "yoked", "equal_points", "compute_saving", "dynamic_people",
     "doorway_360", "echo", "history_ablation", "insertion_ablation", "map_ablation", "imu_rate_sweep", "seg_step",
     "history_by_noise")}
-RULES.update(degenerate_garage=garage.degenerate_garage, why=mechanism.why)
+RULES.update(degenerate_garage=garage.degenerate_garage, why=mechanism.why, map_consistency=ablations.map_consistency,
+             deskew_ablation=ablations.deskew_ablation, literal_ladder=ablations.literal_ladder,
+             calibration_noise_kernel=ablations.calibration_noise_kernel)
 
 
 def arguments(words):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", help="output folder of aslio experiment")
     parser.add_argument("--rule", choices=sorted(RULES), help="of this study, for one of another name")
-    parser.add_argument("--best-fixed", metavar="METHOD", help="window_ablation: the best fixed rate above 10 Hz")
-    parser.add_argument("--tuning", metavar="STUDY", help="window_ablation: folder of the same study over tuning data, which "
-                        "chooses the best fixed rate")
+    parser.add_argument("--best-fixed", metavar="METHOD", help="the best single fixed rate, where a rule asks for it")
+    parser.add_argument("--tuning", metavar="STUDY", help="folder of a study with the same fixed rates over tuning data, which "
+                        "choose the best of them")
     return parser.parse_args(words)
 
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import pairs
-from motion import Path, table
+from motion import Path, laid_on, table
 from report import number
 from study_folder import FolderError
 
@@ -39,13 +39,6 @@ class Stretch:
         begins, ends = np.flatnonzero(~inside[:-1] & inside[1:]), np.flatnonzero(inside[:-1] & ~inside[1:])
         return [(self.truth.t[b], self.truth.t[e - 1]) for b, e in zip(begins, ends)
                 if np.ptp(along[b:e]) >= LEAST_SHARE * self.length]
-
-
-def laid_on(estimate, truth):
-    """R, t that lay the first poses of the estimate on the truth."""
-    u, _, vt = np.linalg.svd(np.sum(truth.R() @ estimate.R().transpose(0, 2, 1), axis=0))
-    R = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
-    return R, np.mean(truth.p - estimate.p @ R.T, axis=0)
 
 
 def part(path, begin, end):

@@ -21,6 +21,7 @@ from report import markdown_table
 from study_folder import FolderError
 
 LEAST_NEIGHBOURS = 10
+DRAWN, RADIUS_M, REACH_M = 5000, 0.3, 0.25
 TYPES = {"float": "<f4", "float32": "<f4", "double": "<f8", "uchar": "u1", "uint8": "u1", "uint": "<u4", "int": "<i4",
          "uint32": "<u4", "int32": "<i4"}
 
@@ -152,15 +153,40 @@ def alignment(trajectory, truth):
     return R, q.mean(axis=0) - R @ p.mean(axis=0)
 
 
+def measured(path, world=None, trajectory=None, truth=None, drawn=DRAWN, radius=RADIUS_M, reach=REACH_M):
+    """Figures of a map by name; those of distance only with a world and a point within reach."""
+    points, _ = read_ply(path)
+    if not len(points):
+        raise FolderError(f"{path}: has no point")
+    some = np.random.default_rng(1).choice(len(points), min(drawn, len(points)), replace=False)
+    values = entropies(points, points[some], radius)
+    known = values[np.isfinite(values)]
+    out = {"points": len(points), "few": 1 - len(known) / len(values)}
+    if len(known):
+        out["entropy"] = float(known.mean())
+    if not world:
+        return out
+    vertices, triangles = read_ply(world)
+    if not len(triangles):
+        raise FolderError(f"{world}: has no triangle")
+    R, t = alignment(trajectory, truth)
+    far = surface_distances(points[some] @ R.T + t, vertices, triangles, reach)
+    near = 1000 * far[np.isfinite(far)]
+    out["far"] = 1 - len(near) / len(far)
+    if len(near):
+        out.update(median_mm=float(np.median(near)), rms_mm=float(np.sqrt(np.mean(near**2))), below_mm=float(np.quantile(near, 0.95)))
+    return out
+
+
 def arguments(words):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("map", help="PLY file of aslio run --save-map")
     parser.add_argument("--world", metavar="PLY", help="surfaces, of aslio simulate --save-world")
     parser.add_argument("--trajectory", metavar="TUM", help="trajectory.tum of the run")
     parser.add_argument("--truth", metavar="TUM", help="truth.tum of the simulation")
-    parser.add_argument("--points", type=int, default=5000)
-    parser.add_argument("--radius", type=float, default=0.3, metavar="M")
-    parser.add_argument("--reach", type=float, default=0.25, metavar="M")
+    parser.add_argument("--points", type=int, default=DRAWN)
+    parser.add_argument("--radius", type=float, default=RADIUS_M, metavar="M")
+    parser.add_argument("--reach", type=float, default=REACH_M, metavar="M")
     options = parser.parse_args(words)
     if options.world and not (options.trajectory and options.truth):
         parser.error("--world needs --trajectory and --truth: the map begins where the run did")
@@ -170,29 +196,18 @@ def arguments(words):
 def main(words):
     options = arguments(words)
     try:
-        points, _ = read_ply(options.map)
-        if not len(points):
-            raise FolderError(f"{options.map}: has no point")
-        drawn = np.random.default_rng(1).choice(len(points), min(options.points, len(points)), replace=False)
-        values = entropies(points, points[drawn], options.radius)
-        known = values[np.isfinite(values)]
-        lines = [["points", len(points)], ["mean map entropy", f"{known.mean():.4f}" if len(known) else "-"],
-                 ["points with too few neighbours", f"{1 - len(known) / len(values):.2%}"]]
-        if options.world:
-            vertices, triangles = read_ply(options.world)
-            if not len(triangles):
-                raise FolderError(f"{options.world}: has no triangle")
-            R, t = alignment(options.trajectory, options.truth)
-            far = surface_distances(points[drawn] @ R.T + t, vertices, triangles, options.reach)
-            near = far[np.isfinite(far)]
-            if len(near):
-                lines += [["distance to the surface, median [mm]", f"{1000 * np.median(near):.1f}"],
-                          ["RMS [mm]", f"{1000 * np.sqrt(np.mean(near**2)):.1f}"],
-                          ["95 % below [mm]", f"{1000 * np.quantile(near, 0.95):.1f}"]]
-            lines.append([f"farther than {options.reach:g} m", f"{1 - len(near) / len(far):.2%}"])
+        found = measured(options.map, options.world, options.trajectory, options.truth, options.points, options.radius,
+                         options.reach)
     except FolderError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    lines = [["points", found["points"]], ["mean map entropy", f"{found['entropy']:.4f}" if "entropy" in found else "-"],
+             ["points with too few neighbours", f"{found['few']:.2%}"]]
+    if "rms_mm" in found:
+        lines += [["distance to the surface, median [mm]", f"{found['median_mm']:.1f}"], ["RMS [mm]", f"{found['rms_mm']:.1f}"],
+                  ["95 % below [mm]", f"{found['below_mm']:.1f}"]]
+    if "far" in found:
+        lines.append([f"farther than {options.reach:g} m", f"{found['far']:.2%}"])
     print(markdown_table(["figure", options.map], lines))
     return 0
 

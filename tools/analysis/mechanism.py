@@ -9,7 +9,7 @@ from T_{k-1}, relative to T_{k-1}; it takes the columns prior_* of updates.csv.
 import numpy as np
 
 import pairs
-from motion import Path, angles, has_columns, rotations, table
+from motion import ACCEPTED, Path, angles, has_columns, rotations, table
 from report import number
 from study_folder import FolderError
 
@@ -66,7 +66,7 @@ def run_figures(study, run):
     if at[-1] >= len(posterior.t) or not np.array_equal(posterior.t[at], t):
         raise FolderError(f"{run.folder}: trajectory.tum and updates.csv do not have the same stamps")
     poses = Path(t, posterior.p[at], posterior.q[at])
-    accepted = np.array([status in ("ok", "degenerate", "not_converged") for status in updates["status"]])
+    accepted = np.array([status in ACCEPTED for status in updates["status"]])
     before = np.flatnonzero(accepted[1:] & truth.covers(t[:-1]) & truth.covers(t[1:]))
     dense = run.folder / "trajectory_dense.tum"
     ends = Path(t[before + 1], poses.p[before + 1], poses.q[before + 1])

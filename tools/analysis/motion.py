@@ -5,6 +5,8 @@ import numpy as np
 
 from study_folder import FolderError
 
+ACCEPTED = ("ok", "degenerate", "not_converged")  # statuses of updates that moved the state
+
 
 def nanoseconds(text):
     """Seconds in decimal, exact to the nanosecond."""
@@ -69,6 +71,13 @@ class Path:
         # Steps are a few degrees at most: the normalised chord is the arc to 1e-6 of it.
         q = (1 - share) * a + share * b
         return Path(t, p, q / np.linalg.norm(q, axis=1, keepdims=True))
+
+
+def laid_on(estimate, truth):
+    """R, t that lay poses of an estimate on those of the truth, by their rotations."""
+    u, _, vt = np.linalg.svd(np.sum(truth.R() @ estimate.R().transpose(0, 2, 1), axis=0))
+    R = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
+    return R, np.mean(truth.p - estimate.p @ R.T, axis=0)
 
 
 def table(path, numbers, texts=()):

@@ -63,7 +63,8 @@ class Report:
         return len(self.study.runs) >= self.study.planned
 
     def decided(self):
-        return self.complete() and None not in self.outcomes
+        """All of the rule; a report without a claim has decided nothing."""
+        return self.complete() and bool(self.outcomes) and None not in self.outcomes
 
     def markdown(self):
         return "\n\n".join(self.parts) + "\n"

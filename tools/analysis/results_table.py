@@ -5,7 +5,8 @@
 
 Per study: question, the command that regenerates it, what its rule says, median (smallest to largest) over seeds, and all
 values by seed in a folded block. With --into, a section stands between marks of its own and replaces what stood there; a new
-one goes to the end. A run that failed is "x", and counts as worse than any figure. Needs numpy.
+one goes to the end. A run that failed is "x" (end to end: "-" when late,
+as in the paper), and counts as worse than any figure. Needs numpy.
 """
 import argparse
 import json
@@ -15,6 +16,7 @@ import re
 import sys
 
 import decide
+import divergence
 import pairs
 from report import Report, markdown_table
 from study_folder import FolderError, Study
@@ -35,15 +37,23 @@ METRICS = {
 USUAL = "ate_m,ate_deg,rpe,end_to_end_m,updates,cpu_s_per_s"
 
 
-def text_of(value, metric):
+FOOTNOTE = (
+    "End to end: `x` where a run failed before a tenth of the way, `-` where it failed later or has no figure. It has failed when its "
+    "position is off by more than 2 m and 5 % of the way travelled (laid on the truth over the first second), is not finite, or no "
+    "update has been accepted for more than 1 s.")
+
+
+def text_of(value, metric, failure="x"):
     _, factor, digits = METRICS[metric]
-    return "-" if value is None else "x" if math.isinf(value) else f"{factor * value:.{digits}f}"
+    return "-" if value is None else failure if math.isinf(value) else f"{factor * value:.{digits}f}"
 
 
-def spread(values, metric):
+def spread(runs, metric):
     """Median (smallest to largest), and how many failed."""
+    values = [value for value in (run.value(metric) for run in runs) if value is not None]
     good = [value for value in values if not math.isinf(value)]
-    text = text_of(pairs.median(values), metric)
+    late = metric == "end_to_end_m" and 2 * sum(run.mark == "-" for run in runs) > len(values) - len(good)
+    text = text_of(pairs.median(values), metric, "-" if late else "x")
     if len(values) > 1 and good:
         text += f" ({text_of(min(good), metric)} to {text_of(max(good), metric)})"
     failed = len(values) - len(good)
@@ -99,12 +109,12 @@ def summary(study, metrics):
     """One sequence: a line per method and a column per metric. Several: a table per metric."""
     if len(study.sequences) == 1:
         sequence = study.sequences[0]
-        lines = [[method, *(spread(study.values(method, sequence, metric), metric) for metric in metrics)]
+        lines = [[method, *(spread(study.of(method, sequence), metric) for metric in metrics)]
                  for method in study.methods]
         return markdown_table([sequence, *(METRICS[metric][0] for metric in metrics)], lines)
     tables = []
     for metric in metrics:
-        lines = [[method, *(spread(study.values(method, sequence, metric), metric) for sequence in study.sequences)]
+        lines = [[method, *(spread(study.of(method, sequence), metric) for sequence in study.sequences)]
                  for method in study.methods]
         tables.append(markdown_table([METRICS[metric][0], *study.sequences], lines))
     return "\n\n".join(tables)
@@ -119,7 +129,8 @@ def all_values(study, metrics):
             for method in study.methods:
                 by_seed = {}
                 for run in study.of(method, sequence):
-                    by_seed.setdefault(run.seed, []).append(text_of(run.value(metric), metric))
+                    by_seed.setdefault(run.seed, []).append(
+                        text_of(run.value(metric), metric, (metric == "end_to_end_m" and run.mark) or "x"))
                 lines.append([sequence, method, *(" ".join(by_seed.get(seed, ["-"])) for seed in seeds)])
         tables.append(markdown_table([METRICS[metric][0], "method", *(f"seed {seed}" if seed else "run" for seed in seeds)], lines))
     return "<details><summary>All values by seed</summary>\n\n" + "\n\n".join(tables) + "\n\n</details>"
@@ -127,6 +138,9 @@ def all_values(study, metrics):
 
 def section(study, metrics, options):
     metrics = [metric for metric in metrics if any(run.figures.get(metric) is not None for run in study.runs)]
+    told_marks = "end_to_end_m" in metrics
+    if told_marks:
+        divergence.set_marks(study)
     failures = study.failures()
     told = "; ".join(f"{run.data}/{run.method}: {run.status}" + (f" ({run.reason})" if run.reason else "") for run in failures)
     made = revisions(study)
@@ -136,7 +150,8 @@ def section(study, metrics, options):
     extent += f" **Not one configuration: runs of {', '.join(mixed)} differ in resolved.yaml.**" if mixed else ""
     extent += f" Revision {', '.join(made)}." if made else ""
     parts = [f"## Study `{study.name}`", study.question, command(study), extent, verdict(study, options),
-             "Median (smallest to largest) over seeds:", summary(study, metrics), all_values(study, metrics)]
+             "Median (smallest to largest) over seeds:", summary(study, metrics), FOOTNOTE if told_marks else "",
+             all_values(study, metrics)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 

@@ -5,11 +5,14 @@ Each takes the Report and the options of decide.py, and repeats in code the `rul
 import math
 import pathlib
 
+import divergence
 import pairs
+from rates import ALIKE, TITLES, Rates
 from report import at_least, number
 
 NINE = 9
-RATES = ("fixed_20", "fixed_50", "fixed_125", "fixed_20_history", "fixed_50_history", "fixed_125_history")
+FASTER = ("fixed_20", "fixed_50", "fixed_125", "fixed_20_history", "fixed_50_history", "fixed_125_history")
+SINGLE = ("fixed_10", "fixed_10_history", *FASTER)
 
 
 def beats(report, method, other, needed, of, claim):
@@ -35,6 +38,8 @@ def beats_pairs(report, method, other, needed=None, of=None):
 
 
 def no_divergence(report, method):
+    if not report.needs(method):
+        return
     failed = report.study.failures(method)
     report.claim(f"{method} diverges on no run: {len(failed)} of {len(report.study.of(method))} failed", not failed)
 
@@ -49,6 +54,7 @@ def quickstart(report, _):
 
 
 def table_1(report, _):
+    divergence.set_marks(report.study)
     report.medians(["fixed_10", "as_lio", "as_lio_paper_rate", "as_lio_literal"])
     report.comparison([("as_lio", "fixed_10"), ("as_lio_paper_rate", "fixed_10"), ("as_lio_literal", "fixed_10"),
                        ("as_lio", "as_lio_literal")])
@@ -59,7 +65,7 @@ def table_1(report, _):
 
 
 def adaptivity(report, options):
-    best = chosen_rate(report, options)
+    best = chosen_rate(report, options, SINGLE)
     report.medians(report.study.methods)
     against_all(report, "as_lio")
     beats(report, "as_lio", "fixed_10", 8, NINE, "better than the fixed window")
@@ -68,26 +74,27 @@ def adaptivity(report, options):
     no_divergence(report, "as_lio")
 
 
-def ideal_imu(report, _):
-    fixed = [method for method in report.study.methods if method.startswith("fixed_")]
-    report.medians([*fixed, "as_lio"])
+def ideal_imu(report, options):
+    best = chosen_rate(report, options, SINGLE)
+    report.medians(report.study.methods)
+    if not report.needs("as_lio", best):
+        return
     lines, harmless = [], []
     for sequence in report.study.sequences:
-        best = min((report.median(method, sequence) for method in fixed), default=math.inf)
-        ours = report.median("as_lio", sequence)
-        if ours is None:
+        fixed, ours = report.median(best, sequence), report.median("as_lio", sequence)
+        if ours is None or fixed is None:
             continue
-        # Where nothing else succeeds, nothing is lost.
-        share = ours / best if not math.isinf(best) else math.inf if math.isinf(ours) else 0.0
+        # Where the fixed rate fails, nothing is lost.
+        share = ours / fixed if not math.isinf(fixed) else math.inf if math.isinf(ours) else 0.0
         lines.append([sequence, number(share, 3)])
-        harmless.append(share <= 1.1 or (math.isinf(best) and math.isinf(ours)))
-    report.text("as_lio over the best fixed rate of each sequence:")
+        harmless.append(share <= 1.1 or (math.isinf(fixed) and math.isinf(ours)))
+    report.text(f"as_lio over {best}:")
     report.table(["sequence", "ratio"], lines)
     outcome = False if not all(harmless) else True if len(harmless) >= NINE else None
-    report.claim(f"at most 10 % above every fixed rate on {sum(harmless)} of {len(harmless)} sequences (needs {NINE})", outcome)
+    report.claim(f"at most 10 % above {best} on {sum(harmless)} of {len(harmless)} sequences (needs {NINE})", outcome)
 
 
-def best_fixed(study, candidates=RATES):
+def best_fixed(study, candidates):
     """The fixed rate with the smallest geometric mean of its median ATE over the sequences, and all those means."""
     means = {}
     for method in candidates:
@@ -97,15 +104,15 @@ def best_fixed(study, candidates=RATES):
     return (min(means, key=means.get) if means else None), means
 
 
-def chosen_rate(report, options):
+def chosen_rate(report, options, candidates):
     if options.best_fixed:
         report.text(f"Best fixed rate: `{options.best_fixed}`, as chosen by the caller.")
         return options.best_fixed
     source = options.tuning or report.study
-    name, means = best_fixed(source)
+    name, means = best_fixed(source, candidates)
     if name is None:
-        report.text("No run of a fixed rate above 10 Hz.")
-        return "fixed_20"
+        report.text(f"No run of {', '.join(candidates)}.")
+        return candidates[0]
     figures = ", ".join(f"{method} {number(mean)}" for method, mean in means.items())
     where = f"on the tuning data (seeds {', '.join(source.seeds())})" if options.tuning else \
         "**on these very data, which favours it: name --tuning or --best-fixed**"
@@ -114,7 +121,7 @@ def chosen_rate(report, options):
 
 
 def window_ablation(report, options):
-    best = chosen_rate(report, options)
+    best = chosen_rate(report, options, FASTER)
     report.medians(report.study.methods)
     report.comparison([(method, "fixed_10") for method in report.study.methods if method != "fixed_10"])
     report.comparison([("as_lio", other) for other in dict.fromkeys(
@@ -126,8 +133,10 @@ def window_ablation(report, options):
 
 
 def yoked(report, _):
+    found = Rates(report.study)
     report.medians(report.study.methods)
     report.medians(report.study.methods, "updates")
+    found.tell(report, "updates")
     against_all(report, "as_lio")
     if "replayed" in report.study.methods:
         same = report.study.pairs("as_lio", "replayed", "ate_m")
@@ -136,15 +145,38 @@ def yoked(report, _):
     for control in ("shifted", "shuffled"):
         beats(report, "as_lio", control, 6, NINE, "adaptivity helps")
         beats_pairs(report, "as_lio", control)
+    for control in ("fixed_mean", "gyro"):
+        beats_alike(report, found, "updates", "as_lio", control, 6, NINE, "as many updates")
+
+
+def beats_alike(report, found, name, method, other, needed, of, claim):
+    """As beats(), and undecided when the two differ in what they must have in common."""
+    if not report.needs(method, other):
+        return
+    apart = found.apart(method, other, name)
+    if apart is None or apart > ALIKE:
+        told = "is not known" if apart is None else f"differs by {100 * apart:.0f} % on a sequence (limit {100 * ALIKE:.0f} %)"
+        report.claim(f"{claim}: {TITLES[name]} of {method} and {other} {told}", None)
+    else:
+        beats(report, method, other, needed, of, claim)
 
 
 def equal_points(report, _):
+    found = Rates(report.study)
     report.medians(report.study.methods)
-    report.comparison([("fixed_50_fewer", "fixed_10"), ("fixed_50_history", "fixed_50_fewer"), ("as_lio", "fixed_10"),
-                       ("as_lio", "fixed_50_fewer")])
-    beats(report, "fixed_50_fewer", "fixed_10", 6, NINE, "the rate pays at equal points")
-    if report.needs("fixed_50_history", "fixed_50_fewer"):
-        lower = report.medians_below("fixed_50_history", "fixed_50_fewer", factor=0.9)
+    for name in ("matches", "information", "updates"):
+        found.tell(report, name)
+    report.comparison([("fixed_20_equal", "fixed_10_equal"), ("fixed_50_equal", "fixed_10_equal"), ("as_lio_share", "fixed_10_share"),
+                       ("fixed_50_share", "fixed_10_share"), ("fixed_50_history", "fixed_50_equal"), ("as_lio", "fixed_10"),
+                       ("fixed_50_information", "fixed_10"), ("as_lio_information", "fixed_10"),
+                       ("fixed_50_spaced", "fixed_10_spaced"), ("as_lio_spaced", "fixed_10_spaced")])
+    beats_alike(report, found, "matches", "fixed_50_equal", "fixed_10_equal", 6, NINE, "the rate pays at equal points")
+    beats_alike(report, found, "matches", "as_lio_share", "fixed_10_share", 6, NINE, "adapting pays at equal points")
+    beats_alike(report, found, "information", "fixed_50_information", "fixed_10", 6, NINE, "the rate pays at equal information")
+    beats_alike(report, found, "information", "as_lio_information", "fixed_10", 6, NINE, "adapting pays at equal information")
+    beats(report, "as_lio_spaced", "fixed_10_spaced", 6, NINE, "adapting pays at equal insertion")
+    if report.needs("fixed_50_history", "fixed_50_equal"):
+        lower = report.medians_below("fixed_50_history", "fixed_50_equal", factor=0.9)
         kept = lower.count() - lower.won
         report.claim(f"more points lower it by no more than 10 % on {kept} of {lower.count()} (needs 6 of {NINE})",
                      at_least(kept, 6, NINE, lower.count()))
@@ -226,10 +258,10 @@ def insertion_ablation(report, _):
     report.medians(report.study.methods)
     points = [method for method in report.study.methods if method.startswith("points_")]
     plain = [method for method in report.study.methods if method not in points]
-    for default, group in (("on_new", plain), ("points_on_new", points)):
+    for default, group in (("on_exit", plain), ("points_on_exit", points)):
         others = [method for method in group if method != default]
         report.comparison([(other, default) for other in others])
-        no_other_below(report, default, others, 0.9, 2, 3, "on_new stands")
+        no_other_below(report, default, others, 0.9, 2, 3, f"{default} stands")
 
 
 def map_ablation(report, _):
@@ -269,14 +301,10 @@ def by_axes(report, *axes):
 def seg_step(report, _):
     for metric in ("ate_m", "updates", "cpu_s_per_s"):
         report.medians(report.study.methods, metric)
-    grid = by_axes(report, "window.frame_length", "window.seg_step")
-    default, paper = grid.get((0.1, 0.1)), grid.get((0.1, 0.04))
-    if default is None:
-        report.claim("no run at a frame of 0.1 s and a step of 0.1", None)
-        return
-    no_other_below(report, default, [method for method in grid.values() if method != default], 0.9, 2, 2, "the default is good")
-    if paper:
-        beats(report, paper, default, 2, 2, "the paper's 125 Hz pays")
+    default, paper = "frame_0.1_seg_step_0.1", "frame_0.1_seg_step_0.04"
+    no_other_below(report, default, [method for method in report.study.methods if method != default], 0.9, 2, 2,
+                   "the default is good")
+    beats(report, paper, default, 2, 2, "the paper's 125 Hz pays")
 
 
 def history_by_noise(report, _):

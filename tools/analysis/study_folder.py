@@ -32,12 +32,15 @@ class Run:
         self.figures = {name: figure_of(line[name]) for name in figures}
         name = self.method if self.order_seed in ("", "0") else f"{self.method}_order_{self.order_seed}"
         self.folder = folder / "runs" / self.data / name
+        self.mark = None  # of divergence.py: "x" or "-"
 
     def good(self):
         return self.status in GOOD
 
     def value(self, metric):
         """The figure; infinite for a failure; None where a good run has none."""
+        if metric == "end_to_end_m" and self.mark:
+            return math.inf
         return self.figures.get(metric) if self.good() else math.inf
 
     def pair_key(self):

@@ -1,0 +1,99 @@
+"""The rules of the studies that take a design apart: corrections, the literal design, the filter, and the map that comes of it."""
+import map_consistency as maps
+import pairs
+from report import at_least, number
+from rules import no_other_below
+
+THREE, NEEDED = 3, 2
+FAR = 1.1  # a median this many times another is worse
+
+
+def deskew_ablation(report, _):
+    study = report.study
+    report.medians(study.methods)
+    kinds = ("rigid", "asymptotic", "state")
+    for window in ("fixed_10", "as_lio"):
+        default, others = f"{window}_linear", [f"{window}_{kind}" for kind in kinds]
+        report.comparison([(other, default) for other in others])
+        no_other_below(report, default, others, 0.9, NEEDED, THREE, "linear is the default")
+    if not report.needs("fixed_10_rigid", "as_lio_rigid", "fixed_10_linear", "as_lio_linear"):
+        return
+    won = [ratio(report, "fixed_10_rigid", "as_lio_rigid", s) > ratio(report, "fixed_10_linear", "as_lio_linear", s)
+           for s in study.sequences if None not in (ratio(report, "fixed_10_rigid", "as_lio_rigid", s),
+                                                    ratio(report, "fixed_10_linear", "as_lio_linear", s))]
+    report.claim(f"linear makes up for long windows: the gain of the adaptive one is larger with rigid on {sum(won)} of {len(won)} "
+                 f"(needs {NEEDED} of {THREE})", at_least(sum(won), NEEDED, THREE, len(won)))
+
+
+def ratio(report, method, other, sequence):
+    """Of the medians; None where one is missing or failed."""
+    a, b = report.median(method, sequence), report.median(other, sequence)
+    known = a is not None and b and float("inf") not in (a, b)
+    return a / b if known else None
+
+
+def raised(report, worse, better):
+    """On how many sequences the median of the one is more than 10 % above that of the other, and of how many."""
+    tally = report.medians_below(worse, better, factor=FAR)
+    return tally.lost, tally.count()
+
+
+def literal_ladder(report, _):
+    study = report.study
+    report.medians(study.methods)
+    parts = [method[len("with_"):] for method in study.methods if method.startswith("with_")]
+    if not report.needs("as_lio_literal", "as_lio"):
+        return
+    report.comparison([(f"with_{part}", "as_lio_literal") for part in parts])
+    report.comparison([(f"without_{part}", "as_lio") for part in parts])
+    for part in parts:
+        if not report.needs(f"with_{part}", f"without_{part}"):
+            continue
+        up, of_up = raised(report, "as_lio_literal", f"with_{part}")
+        down, of_down = raised(report, f"without_{part}", "as_lio")
+        ends = [at_least(up, NEEDED, THREE, of_up), at_least(down, NEEDED, THREE, of_down)]
+        report.claim(f"{part} holds the literal design back: the literal design with as_lio's gains on {up} of {of_up}, as_lio without it "
+                     f"loses on {down} of {of_down} (needs {NEEDED} of {THREE} at one end)",
+                     True if True in ends else None if None in ends else False)
+
+
+def calibration_noise_kernel(report, _):
+    report.medians(report.study.methods)
+    others = [method for method in report.study.methods if method != "as_lio"]
+    report.comparison([(other, "as_lio") for other in others])
+    if not report.needs("as_lio"):
+        return
+    for other in others:
+        worse, count = raised(report, other, "as_lio")
+        better = report.medians_below(other, "as_lio", factor=0.9).won
+        harm = f"; lower on {better}: it does harm" if better >= NEEDED else ""
+        report.claim(f"needed: as_lio is worse by over 10 % as {other} on {worse} of {count} (needs {NEEDED} of {THREE}){harm}",
+                     at_least(worse, NEEDED, THREE, count))
+
+
+def map_consistency(report, _):
+    study, found = report.study, {}
+    for run in study.runs:
+        if run.good() and (run.folder / "map.ply").exists():
+            found[run.data, run.method] = maps.measured(
+                run.folder / "map.ply", study.data_file(run.data, "world.ply"), run.folder / "trajectory.tum",
+                study.data_file(run.data, "truth.tum"))
+
+    def median(method, sequence, name):
+        # A run that failed has no map, and counts as worse than any.
+        values = [float("inf") if not run.good() else found.get((run.data, method), {}).get(name) for run in study.of(method, sequence)]
+        return pairs.median([value for value in values if value is not None])
+
+    for sequence in study.sequences:
+        report.text(f"{sequence}, median over seeds of the maps that are there:")
+        report.table(["method", "mean map entropy", "distance to the surface, RMS [mm]", "median [mm]"], [
+            [method, *(number(median(method, sequence, name)) for name in ("entropy", "rms_mm", "median_mm"))]
+            for method in study.methods])
+    if not report.needs("as_lio", "fixed_10"):
+        return
+    for name, title in (("entropy", "entropy"), ("rms_mm", "RMS distance to the surface")):
+        pairs_of = [(median("as_lio", s, name), median("fixed_10", s, name)) for s in study.sequences]
+        known = [pair for pair in pairs_of if None not in pair]
+        won = sum(a < b for a, b in known)
+        report.claim(f"the map is better: {title} of as_lio below that of fixed_10 on {won} of {len(known)} (needs 2 of 2)",
+                     at_least(won, 2, 2, len(known)))
