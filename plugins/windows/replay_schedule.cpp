@@ -75,8 +75,8 @@ ReplaySchedule ReplaySchedule::read(const std::filesystem::path& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path)) {
-    throw ConfigError(fmt::format("{}: cannot open the schedule: {}", path.string(),
-                                  file ? "it is a directory" : std::strerror(errno)));
+    throw ConfigError(fmt::format("{}: cannot open the schedule: {}; name the updates.csv of a run, for example",
+                                  path.string(), file ? "it is a directory" : std::strerror(errno)));
   }
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (file.bad()) throw DataError(fmt::format("{}: cannot read the schedule", path.string()));

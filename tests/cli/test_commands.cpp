@@ -46,6 +46,46 @@ TEST_CASE("check tells everything that is wrong with every file") {
   CHECK(run_aslio({"check", folder / "missing.yaml"}).code == 2);
 }
 
+TEST_CASE("check builds the stages of a pipeline, and names file, line, key and remedy of what does not fit") {
+  const TemporaryFolder folder;
+  const std::string surfaces = "map: {type: voxel_plane}\n", planes = "estimator.residual.planes to 'map'";
+  struct Case {
+    std::string text;
+    std::vector<std::string> expected;
+  };
+  const std::string head =
+      "schema: aslio/pipeline/1\nwindow: {type: fixed}\noverlap: {type: soft_voxel}\n"
+      "history: none\nsamplers: [{type: range}]\ninsertion: on_new\n";
+  const std::string points = "map: {type: ikd_tree}\nestimator: ieskf\n";
+  const auto with = [&](std::string text, const std::string& part, const std::string& other) {
+    return text.replace(text.find(part), part.size(), other);
+  };
+  const std::string replay = "{type: replay, file: " + (folder / "gone.csv").string() + "}";
+  const std::string schedule = "{type: replay, file: " + (folder / "torn.csv").string() + "}";
+  const std::vector<Case> cases = {
+      {head + surfaces + "estimator: ieskf\n", {":7:6: map: 'voxel_plane' holds surfaces", planes}},
+      {head + "map: voxel_hash\nestimator: {type: ieskf, residual: {type: point_to_plane, planes: map}}\n",
+       {":7:6: map: 'voxel_hash' holds points", "estimator.residual.planes to 'neighbours'"}},
+      {with(head, "on_new", "min_distance") + surfaces +
+           "estimator: {type: ieskf, residual: {type: point_to_plane, planes: map}}\n",
+       {":6:12: insertion: 'min_distance'", "'voxel_plane' holds surfaces", "choose another insertion"}},
+      {with(head, "{type: fixed}", replay) + points,
+       {":2:9: window: ", "gone.csv: cannot open the schedule", "name the updates.csv of a run"}},
+      {with(head, "{type: fixed}", schedule) + points, {":2:9: window: ", "torn.csv:3: t_ns 'x' is not a time"}}};
+  write_text(folder / "torn.csv", "t_ns\n5\nx\n");
+  write_text(folder / "good.yaml", head + points);
+  CHECK(run_aslio({"check", folder / "good.yaml"}).code == 0);
+  for (const Case& wrong : cases) {
+    write_text(folder / "wrong.yaml", wrong.text);
+    const Ended ended = run_aslio({"check", folder / "wrong.yaml"});
+    INFO(wrong.text);
+    CHECK(ended.code == 2);
+    CHECK(ended.out.empty());
+    CHECK_THAT(ended.err, Contains("wrong.yaml"));
+    for (const std::string& part : wrong.expected) CHECK_THAT(ended.err, Contains(part));
+  }
+}
+
 TEST_CASE("diff tells what differs in meaning, not in spelling") {
   const TemporaryFolder folder;
   write_text(folder / "a.yaml", pipeline_text());

@@ -151,3 +151,14 @@ TEST_CASE("What kind of file it is can be asked before it is read") {
                                          "'aslio/study/1'?)");
   std::filesystem::remove(path);
 }
+
+TEST_CASE(
+    "the place of a path is where it is written, as far down as it is, and the begin of the file for what is not") {
+  const Node root = parse_document("a: 1\nb:\n  - {c: 2}\n  - {c: 3, d: {e: 4}}\n", "a.yaml");
+  CHECK(place_of(root, "a").text() == "a.yaml:1:4");
+  CHECK(place_of(root, "b.1.c").text() == "a.yaml:4:9");
+  CHECK(place_of(root, "b.1.d.e").text() == "a.yaml:4:19");
+  CHECK(place_of(root, "b.0.d").text() == "a.yaml:3:5");
+  CHECK(place_of(root, "b.2").text() == place_of(root, "b").text());
+  CHECK(place_of(root, "z.a").text() == "a.yaml:1:1");
+}

@@ -35,14 +35,15 @@ TEST_CASE("seeds are numbers and ranges, each once") {
 
 TEST_CASE("a study file becomes data and methods with every default in place") {
   const StudyFiles files;
-  const Study study = files.load(head() +
-                                 "datasets:\n"
-                                 "  - {scene: scene_a.yaml, seeds: '1-2,5'}\n"
-                                 "  - {scene: scene_b.yaml, name: other, set: [imu.preset=ideal]}\n"
-                                 "methods:\n" +
-                                 method("fixed", "fixed_window") +
-                                 method("slow", "fixed_window", "set: {window.period: 0.2, map: {type: ikd_tree}}") +
-                                 "baseline: fixed\n");
+  const Study study =
+      files.load(head() +
+                 "datasets:\n"
+                 "  - {scene: scene_a.yaml, seeds: '1-2,5'}\n"
+                 "  - {scene: scene_b.yaml, name: other, set: [imu.preset=ideal]}\n"
+                 "methods:\n" +
+                 method("fixed", "fixed_window") +
+                 method("slow", "fixed_window", "set: {window.period: 0.2, map: {type: voxel_plane, voxel: 1.5}}") +
+                 "baseline: fixed\n");
   REQUIRE(study.data.size() == 4);
   CHECK(study.name == "study");
   CHECK(study.data[0].name == "scene_a_1");
@@ -51,8 +52,8 @@ TEST_CASE("a study file becomes data and methods with every default in place") {
   CHECK(study.data[3].name == "other_1");
   CHECK(study.data[3].set == std::vector<std::string>{"imu.preset=ideal"});
   CHECK(names(study.methods) == std::vector<std::string>{"fixed", "slow"});
-  CHECK(study.methods[1].set == std::vector<std::string>{"window.period=0.2", "map={type: ikd_tree}"});
-  CHECK_THAT(study.methods[1].resolved, Contains("period: 0.2") && Contains("type: ikd_tree"));
+  CHECK(study.methods[1].set == std::vector<std::string>{"window.period=0.2", "map={type: voxel_plane, voxel: 1.5}"});
+  CHECK_THAT(study.methods[1].resolved, Contains("period: 0.2") && Contains("voxel: 1.5"));
   CHECK_FALSE(study.baseline[0].has_value());
   CHECK(study.baseline[1] == std::size_t{0});
   CHECK(study.order_seeds == std::vector<std::uint64_t>{0});
@@ -134,6 +135,34 @@ TEST_CASE("what is wrong in a study is told with its place and a remedy") {
     CHECK_FALSE(complaint.empty());
     for (const std::string& part : wrong.expected) CHECK_THAT(complaint, Contains(part));
   }
+}
+
+TEST_CASE("stages that do not fit each other, or a schedule that is not there, are told before anything runs") {
+  const StudyFiles files;
+  const auto complaint = [&](const std::string& set) {
+    return files.complaint(head() + kData + "methods:\n" + method("a", "as_lio") +
+                           method("b", "as_lio", "set: {" + set + "}"));
+  };
+  struct Case {
+    std::string set;
+    std::vector<std::string> expected;
+  };
+  const std::vector<Case> cases = {
+      {"map: {type: ikd_tree}", {"--set map={type: ikd_tree}: map: 'ikd_tree' holds points", "planes to 'neighbours'"}},
+      {"estimator.residual.planes: neighbours", {"as_lio.yaml:", "map: 'voxel_plane' holds surfaces"}},
+      {"insertion: cell_nearest", {"--set insertion=cell_nearest: insertion: 'cell_nearest'", "on_exit"}},
+      {"window: {type: replay, file: gone.csv}", {"window: gone.csv: cannot open the schedule"}}};
+  for (const Case& wrong : cases) {
+    const std::string told = complaint(wrong.set);
+    INFO(wrong.set << "\n" << told);
+    CHECK_THAT(told, Contains("study.yaml:8:") && Contains("method 'b'"));
+    for (const std::string& part : wrong.expected) CHECK_THAT(told, Contains(part));
+  }
+  // What a run of the study writes is not there yet; the rest is checked all the same.
+  CHECK(complaint("window: {type: replay, file: '{run:a}/updates.csv'}").empty());
+  CHECK(complaint("window: {type: replay, file: '{data}/oracle.csv'}").empty());
+  CHECK_THAT(complaint("window: {type: replay, file: '{run:a}/updates.csv'}, map: {type: ikd_tree}"),
+             Contains("'ikd_tree' holds points"));
 }
 
 TEST_CASE("an error of several lines in a file that is named stays one line each") {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/pipeline/stage_set.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "files.hpp"
@@ -21,7 +22,12 @@ int check(const Arguments& a) {
   int code = kSuccess;
   for (const std::string& file : a.files) {
     try {
-      print(fmt::format("{}: ok ({})\n", file, config::name(read_checked(file, stages.catalog).kind)));
+      const CheckedFile read = read_checked(file, stages.catalog);
+      if (read.kind == config::FileKind::pipeline) {
+        pipeline::check_stages(
+            config::load<pipeline::PipelineConfig>(file, config::FileKind::pipeline, stages.catalog));
+      }
+      print(fmt::format("{}: ok ({})\n", file, config::name(read.kind)));
     } catch (const ConfigError& error) {
       complain(error.what());
       code = kWrongUsage;

@@ -108,7 +108,7 @@ Bound bind_text(std::string_view text, const std::string& source, FileKind kind,
   const std::vector<Member> first{{"schema", {}, Node::scalar(schema_of(kind), false, {})}};
   const Node resolved = binder.bind(Node::map(root.members(), start_of(root)), "", first, describe);
   problems.raise();
-  return {to_yaml(resolved), {binder.plugin_types().begin(), binder.plugin_types().end()}};
+  return {to_yaml(resolved), {binder.plugin_types().begin(), binder.plugin_types().end()}, root};
 }
 
 }  // namespace aslio::config

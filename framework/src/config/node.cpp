@@ -1,5 +1,6 @@
 #include "aslio/config/node.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "scalars.hpp"
@@ -47,6 +48,26 @@ const Member* Node::find(std::string_view key) const {
     if (member.key == key) return &member;
   }
   return nullptr;
+}
+
+Location place_of(const Node& root, std::string_view path) {
+  const Node* node = &root;
+  while (!path.empty()) {
+    const std::size_t end = std::min(path.find('.'), path.size());
+    const std::string_view key = path.substr(0, end);
+    path.remove_prefix(std::min(end + 1, path.size()));
+    const Node* next = nullptr;
+    if (const Member* member = node->find(key)) next = &member->value;
+    if (const auto index = parse_integer(key); node->is_list() && index && *index >= 0) {
+      const auto i = static_cast<std::size_t>(*index);
+      if (i < node->items().size()) next = &node->items()[i];
+    }
+    if (next == nullptr) break;
+    node = next;
+  }
+  Location at = node->at();
+  if (node == &root) at.line = at.column = 1;
+  return at;
 }
 
 bool same(const Node& a, const Node& b) {

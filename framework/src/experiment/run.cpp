@@ -9,7 +9,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
-#include "aslio/pipeline/odometry.hpp"
+#include "aslio/pipeline/stage_set.hpp"
 #include "manifest.hpp"
 #include "run_outputs.hpp"
 
@@ -228,7 +228,8 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const Prepared prepared = prepare(options, catalog);
   const SensorModel& sensor = prepared.sensor.value.model;
   exec::Executor executor(options.threads);
-  pipeline::Odometry odometry(prepared.pipeline.value, {executor, sensor, std::move(log), options.order_seed});
+  const BuildContext context{executor, sensor, std::move(log), options.order_seed};
+  pipeline::Odometry odometry(prepared.pipeline.value, context, pipeline::build_stages(prepared.pipeline, context));
   refuse_to_overwrite_inputs(options);
   const auto outputs = open_outputs(options, sensor);
   remove_stale(options);

@@ -13,7 +13,7 @@
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/study.hpp"
-#include "aslio/pipeline/odometry.hpp"
+#include "aslio/pipeline/stage_set.hpp"
 
 namespace aslio::experiment {
 
@@ -77,6 +77,16 @@ std::string recording_identity(const Dataset& dataset) {
                                  sha256_of_file(dataset.sensor));
   if (dataset.reference) text += sha256_of_file(*dataset.reference);
   return sha256_of(text);
+}
+
+/// The stages that read what a run of the study makes: "window" for `window.file={run:as_lio}/updates.csv`.
+std::vector<std::string> made_later(const std::vector<std::string>& assignments) {
+  std::vector<std::string> keys;
+  for (const std::string& assignment : assignments) {
+    const bool later = assignment.find("{run:") != std::string::npos || assignment.find("{data}") != std::string::npos;
+    if (later) keys.push_back(assignment.substr(0, assignment.find_first_of(".=")));
+  }
+  return keys;
 }
 
 class Reader {
@@ -248,9 +258,10 @@ class Reader {
     std::vector<config::Override> overrides;
     for (const std::string& assignment : method.set) overrides.push_back({assignment});
     try {
-      method.resolved =
-          config::load<pipeline::PipelineConfig>(method.pipeline, config::FileKind::pipeline, stages_, overrides)
-              .resolved;
+      const auto loaded =
+          config::load<pipeline::PipelineConfig>(method.pipeline, config::FileKind::pipeline, stages_, overrides);
+      pipeline::check_stages(loaded, made_later(method.set));
+      method.resolved = loaded.resolved;
       return true;
     } catch (const ConfigError& error) {
       const bool set = study_.config.methods[index].set.is_map();

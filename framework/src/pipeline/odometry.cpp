@@ -1,23 +1,14 @@
 #include "aslio/pipeline/odometry.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "aslio/core/cpu_clock.hpp"
-#include "aslio/core/errors.hpp"
+#include "aslio/pipeline/stage_set.hpp"
 #include "prior_probe.hpp"
 
 namespace aslio::pipeline {
 
 namespace {
-
-SamplerChain build_chain(const std::vector<config::Nested<Sampler>>& members, const BuildContext& context) {
-  std::vector<std::unique_ptr<Sampler>> chain;
-  chain.reserve(members.size());
-  for (const auto& member : members) chain.push_back(member.make(context));
-  return SamplerChain(std::move(chain));
-}
 
 double gyro_rms(std::span<const ImuSample> samples) {
   double squares = 0;
@@ -29,32 +20,18 @@ double gyro_rms(std::span<const ImuSample> samples) {
 
 class Odometry::Loop {
  public:
-  Loop(const PipelineConfig& config, const BuildContext& context)
+  Loop(const PipelineConfig& config, const BuildContext& context, StageSet stages)
       : config_(config),
         sensor_(context.sensor),
-        windows_(config.window.make(context)),
-        overlaps_(config.overlap.make(context)),
-        histories_(config.history.make(context)),
-        samplers_(build_chain(config.samplers, context)),
-        map_(config.map.make(context)),
-        insertion_(config.insertion.make(context)),
-        estimator_(config.estimator.make(context)),
+        windows_(std::move(stages.window)),
+        overlaps_(std::move(stages.overlap)),
+        histories_(std::move(stages.history)),
+        samplers_(std::move(stages.samplers)),
+        map_(std::move(stages.map)),
+        insertion_(std::move(stages.insertion)),
+        estimator_(std::move(stages.estimator)),
         probe_(stream_, *estimator_, *overlaps_, context.sensor),
-        tracking_(config.max_speed, config.max_silence) {
-    if (insertion_->needs_nearest_points() && map_->content() == MapContent::surfaces) {
-      throw ConfigError(fmt::format(
-          "insertion: '{}' asks the map for nearest points, and map '{}' holds surfaces: choose another insertion "
-          "(on_new, on_exit, whole_window) or a map of points",
-          config.insertion.type(), config.map.type()));
-    }
-    if (map_->content() == estimator_->map_content()) return;
-    const bool surfaces = map_->content() == MapContent::surfaces;
-    throw ConfigError(fmt::format(
-        "map: '{}' holds {}, and the residual of the estimator asks for {}: set estimator.residual.planes to '{}', or "
-        "choose another map",
-        config.map.type(), surfaces ? "surfaces" : "points", surfaces ? "points" : "surfaces",
-        surfaces ? "map" : "neighbours"));
-  }
+        tracking_(config.max_speed, config.max_silence) {}
 
   void run_available() {
     if (!started() && !start()) return;
@@ -177,7 +154,9 @@ class Odometry::Loop {
 };
 
 Odometry::Odometry(const PipelineConfig& config, const BuildContext& context)
-    : loop_(std::make_unique<Loop>(config, context)) {}
+    : Odometry(config, context, build_stages(config, context)) {}
+Odometry::Odometry(const PipelineConfig& config, const BuildContext& context, StageSet stages)
+    : loop_(std::make_unique<Loop>(config, context, std::move(stages))) {}
 Odometry::~Odometry() = default;
 
 void Odometry::add_observer(UpdateObserver& observer) { loop_->observers_.push_back(&observer); }

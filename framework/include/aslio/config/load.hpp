@@ -29,6 +29,8 @@ struct Loaded {
   std::string resolved;
   /// Stages in use as "family/type", sorted, each once.
   std::vector<std::string> plugin_types;
+  /// What was written, with the overrides: each part knows its place.
+  Node tree;
 };
 
 /// What the file says it is. Throws ConfigError as load() does for a file without a known schema.
@@ -38,6 +40,7 @@ FileKind peek_kind(const std::filesystem::path& path);
 struct Bound {
   std::string resolved;
   std::vector<std::string> plugin_types;
+  Node tree;
 };
 Bound bind_text(std::string_view text, const std::string& source, FileKind kind, const StageLookup& stages,
                 std::span<const Override> overrides, const std::function<void(Binder&)>& describe);
@@ -50,6 +53,7 @@ Loaded<T> parse(std::string_view text, const std::string& source, FileKind kind,
   Bound bound = bind_text(text, source, kind, stages, overrides, [&](Binder& b) { T::describe(b, loaded.value); });
   loaded.resolved = std::move(bound.resolved);
   loaded.plugin_types = std::move(bound.plugin_types);
+  loaded.tree = std::move(bound.tree);
   return loaded;
 }
 

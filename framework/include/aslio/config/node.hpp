@@ -65,6 +65,10 @@ struct Member {
   Node value;
 };
 
+/// Where `path` ("estimator.residual", "samplers.2") is written; as far down as it is, the begin of the file for a key
+/// that is left to its default.
+Location place_of(const Node& root, std::string_view path);
+
 /// Same structure and scalars (order of keys included, places and quotes left out).
 bool same(const Node& a, const Node& b);
 

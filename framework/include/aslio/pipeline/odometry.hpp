@@ -31,9 +31,13 @@ struct PipelineConfig {
   static void describe(config::Binder& b, PipelineConfig& p);
 };
 
+struct StageSet;  // pipeline/stage_set.hpp
+
 class Odometry {
  public:
   Odometry(const PipelineConfig& config, const BuildContext& context);
+  /// Takes stages that have been built from `config`.
+  Odometry(const PipelineConfig& config, const BuildContext& context, StageSet stages);
   ~Odometry();
 
   void add_observer(UpdateObserver& observer);
