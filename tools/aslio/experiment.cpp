@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "aslio/core/errors.hpp"
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string study, output, data, only, seeds;
+  std::string study, output, data, only, seeds, recording;
   std::vector<std::string> plugins;
   int jobs = 1;
   double scale = 1;
@@ -53,19 +54,25 @@ std::string program_identity(const Stages& stages) {
   return text;
 }
 
-std::string plan_text(const experiment::Study& study, const experiment::StudyOptions& options) {
-  const auto runs = experiment::plan_runs(study, options.program, fs::absolute(options.output) / "runs");
-  const auto selected = experiment::select_runs(study, runs, options.only);
-  const auto rows = experiment::rows_so_far(study, runs, options.output);
-  std::string text;
+/// One recording at a time: a plan may have any number of runs.
+void print_plan(const experiment::Study& study, const experiment::StudyOptions& options) {
+  const fs::path runs_folder = fs::absolute(options.output) / "runs";
   std::size_t open = 0, finished = 0;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (!selected[i]) continue;
-    const bool done = rows[i] && rows[i]->outcome.final;
-    ++(done ? finished : open);
-    text += fmt::format("{}/{}: {}\n", study.data[runs[i].data].name, runs[i].folder, done ? "finished" : "to run");
+  for (std::size_t d = 0; d < study.data.size(); ++d) {
+    std::vector<experiment::StudyRun> runs;
+    experiment::append_runs(study, options.program, runs_folder, d, runs);
+    const auto selected = experiment::select_runs(study, runs, options.only);
+    std::string text;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (!selected[i]) continue;
+      const auto outcome = experiment::read_outcome(runs_folder / study.data[d].name / runs[i].folder, runs[i].key);
+      const bool done = outcome && outcome->final;
+      ++(done ? finished : open);
+      text += fmt::format("{}/{}: {}\n", study.data[d].name, runs[i].folder, done ? "finished" : "to run");
+    }
+    print(text);
   }
-  return text + fmt::format("{} runs to do, {} finished\n", open, finished);
+  print(fmt::format("{} runs to do, {} finished\n", open, finished));
 }
 
 int report(const experiment::StudyResult& result, const Arguments& a) {
@@ -74,11 +81,22 @@ int report(const experiment::StudyResult& result, const Arguments& a) {
     return kInterrupted;
   }
   const std::size_t failures = result.failures();
-  if (!a.quiet) print(fmt::format("output       {}: results.csv, table.md, runs, data\n", a.output));
+  const bool tables = a.recording.empty();
+  if (!a.quiet && tables)
+    print(fmt::format("output       {}: results.csv, statistics.csv, table.md, runs, data\n", a.output));
   if (failures == 0) return kSuccess;
   complain(fmt::format("{} of {} runs failed or diverged; {} tells why", failures, result.runs.size(),
-                       (fs::path(a.output) / "table.md").string()));
+                       (fs::path(a.output) / (tables ? "table.md" : "runs")).string()));
   return kRunFailed;
+}
+
+/// Checked: a name of no recording would be a study without runs.
+std::string recording_of(const experiment::Study& study, const std::string& name) {
+  const bool known = name.empty() || std::any_of(study.data.begin(), study.data.end(),
+                                                 [&](const auto& data) { return data.name == name; });
+  if (!known)
+    throw ConfigError(fmt::format("--recording {}: the study has none of that name; --dry-run lists them", name));
+  return name;
 }
 
 int run_experiment(const Arguments& a) {
@@ -92,12 +110,13 @@ int run_experiment(const Arguments& a) {
   options.jobs = a.jobs;
   options.keep_data = a.keep_data;
   options.only = a.only;
+  options.recording = recording_of(study, a.recording);
   options.program = program_identity(stages);
   for (const std::string& plugin : a.plugins) {
     options.run_options.insert(options.run_options.end(), {"--plugin", plugin});
   }
   if (a.dry_run) {
-    print(plan_text(study, options));
+    print_plan(study, options);
     return kSuccess;
   }
   Monitor monitor(a.quiet);
@@ -119,6 +138,10 @@ void add_options(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--data", a.data,
                  "folder for simulated data that several studies share; what lies there already is used and stays");
+  app.add_option("--recording", a.recording,
+                 "works on the runs over this one alone and writes no tables: several such calls may share an output, "
+                 "and a call without it makes the tables")
+      ->type_name("DATA");
   app.add_flag("--keep-data", a.keep_data, "keeps simulated data when their last run has ended");
   app.add_flag("--dry-run", a.dry_run, "checks everything, tells the runs and what is finished of them, runs nothing");
   add_plugin_option(app, a.plugins);

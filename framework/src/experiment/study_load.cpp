@@ -262,6 +262,7 @@ class Reader {
           config::load<pipeline::PipelineConfig>(method.pipeline, config::FileKind::pipeline, stages_, overrides);
       pipeline::check_stages(loaded, made_later(method.set));
       method.resolved = loaded.resolved;
+      method.paths = paths_in(method.resolved);
       return true;
     } catch (const ConfigError& error) {
       const bool set = study_.config.methods[index].set.is_map();

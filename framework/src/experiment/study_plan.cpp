@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "aslio/config/document.hpp"
 #include "aslio/config/node.hpp"
 #include "aslio/core/sha256.hpp"
@@ -38,49 +41,62 @@ std::filesystem::path data_folder(const Study& study, const StudyRun& run, const
   return runs_folder.parent_path() / "data" / study.data[run.data].name;
 }
 
-/// A line for every text below `node` that names a file: the digest of its content.
-void append_files(const config::Node& node, const std::string& data, std::string& text) {
-  for (const config::Node& item : node.items()) append_files(item, data, text);
-  for (const config::Member& member : node.members()) append_files(member.value, data, text);
-  if (!node.is_scalar() || node.text().empty()) return;
-  std::string path = node.text();
-  replace_all(path, kData, data);
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(path, ignored)) text += "file " + sha256_of_file(path) + "\n";
+/// Might this value be the path of a file? Numbers and names of types are not.
+bool like_a_path(const std::string& text) {
+  const bool letter = std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
+  return letter && text.find_first_of("./") != std::string::npos;
+}
+
+void append_paths(const config::Node& node, std::vector<std::string>& paths) {
+  for (const config::Node& item : node.items()) append_paths(item, paths);
+  for (const config::Member& member : node.members()) append_paths(member.value, paths);
+  if (node.is_scalar() && like_a_path(node.text())) paths.push_back(node.text());
 }
 
 bool matches(const std::string& glob, const std::string& text) { return ::fnmatch(glob.c_str(), text.c_str(), 0) == 0; }
 
 }  // namespace
 
+std::vector<std::string> paths_in(const std::string& resolved) {
+  std::vector<std::string> paths;
+  append_paths(config::parse_document(resolved, "resolved"), paths);
+  return paths;
+}
+
 std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
                     std::string_view program, const std::filesystem::path& runs_folder) {
-  const std::string& resolved = study.methods[run.method].resolved;
+  const StudyMethod& method = study.methods[run.method];
   std::string text = fmt::format("aslio run\n{}\n{}\norder seed {}\n{}\n", program, study.data[run.data].identity,
-                                 run.order_seed, resolved);
+                                 run.order_seed, method.resolved);
   // Where a run reads files of other runs, their keys stand for those: a change there is a change here.
   for (const std::size_t used : run.uses) text += runs[used].key + "\n";
   for (const std::string& output : study.config.outputs) text += "output " + output + "\n";
-  append_files(config::parse_document(resolved, study.methods[run.method].name),
-               data_folder(study, run, runs_folder).string(), text);
+  for (std::string path : method.paths) {
+    replace_all(path, kData, data_folder(study, run, runs_folder).string());
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(path, ignored)) text += "file " + sha256_of_file(path) + "\n";
+  }
   return sha256_of(text);
+}
+
+void append_runs(const Study& study, std::string_view program, const std::filesystem::path& runs_folder,
+                 std::size_t data, std::vector<StudyRun>& runs) {
+  for (const std::uint64_t order_seed : study.order_seeds) {
+    const std::size_t first = runs.size();
+    for (std::size_t m = 0; m < study.methods.size(); ++m) {
+      StudyRun run{.data = data, .method = m, .order_seed = order_seed, .folder = {}, .key = {}, .uses = {}};
+      run.folder = folder_of(study.methods[m], order_seed);
+      for (const auto& [name, used] : study.methods[m].uses) run.uses.push_back(first + used);
+      run.key = run_key(study, runs, run, program, runs_folder);
+      runs.push_back(std::move(run));
+    }
+  }
 }
 
 std::vector<StudyRun> plan_runs(const Study& study, std::string_view program,
                                 const std::filesystem::path& runs_folder) {
   std::vector<StudyRun> runs;
-  for (std::size_t d = 0; d < study.data.size(); ++d) {
-    for (const std::uint64_t order_seed : study.order_seeds) {
-      const std::size_t first = runs.size();
-      for (std::size_t m = 0; m < study.methods.size(); ++m) {
-        StudyRun run{.data = d, .method = m, .order_seed = order_seed, .folder = {}, .key = {}, .uses = {}};
-        run.folder = folder_of(study.methods[m], order_seed);
-        for (const auto& [name, used] : study.methods[m].uses) run.uses.push_back(first + used);
-        run.key = run_key(study, runs, run, program, runs_folder);
-        runs.push_back(std::move(run));
-      }
-    }
-  }
+  for (std::size_t d = 0; d < study.data.size(); ++d) append_runs(study, program, runs_folder, d, runs);
   return runs;
 }
 

@@ -3,7 +3,8 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,26 +18,6 @@ namespace aslio::experiment {
 
 namespace {
 
-constexpr const char* kThisProgram = "/proc/self/exe";  // the file that runs, even when it has been replaced since
-
-/// Redirections of a child.
-class FileActions {
- public:
-  explicit FileActions(const std::string& log) {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO);
-  }
-  ~FileActions() { posix_spawn_file_actions_destroy(&actions_); }
-  FileActions(const FileActions&) = delete;
-  FileActions& operator=(const FileActions&) = delete;
-  const posix_spawn_file_actions_t* get() const { return &actions_; }
-
- private:
-  posix_spawn_file_actions_t actions_{};
-};
-
 /// Resident memory [MB]; 0 when the process is gone.
 double resident_mb(pid_t id) {
   std::ifstream statm(fmt::format("/proc/{}/statm", id));
@@ -45,30 +26,80 @@ double resident_mb(pid_t id) {
   return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) * 1e-6;
 }
 
+bool redirect(const char* path, int flags, int to) {
+  const int file = ::open(path, flags, 0644);
+  return file >= 0 && ::dup2(file, to) >= 0;
+}
+
+/// Between fork and exec: nothing but system calls. Never returns; an error goes to `report`.
+[[noreturn]] void become(const char* program, char* const* argv, const char* log, pid_t parent, int report) {
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const rlimit no_core{0, 0};  // a crash is a row, not a gigabyte
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  if (::getppid() != parent) ::_exit(127);  // gone before it could be told
+  if (redirect("/dev/null", O_RDONLY, STDIN_FILENO) &&
+      redirect(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, STDOUT_FILENO) &&
+      ::dup2(STDOUT_FILENO, STDERR_FILENO) >= 0) {
+    ::execv(program, argv);
+  }
+  const int error = errno;
+  [[maybe_unused]] const auto written = ::write(report, &error, sizeof(error));
+  ::_exit(127);
+}
+
+/// What the child wrote before it could become the program; 0 when it has.
+int error_of(int report) {
+  int error = 0;
+  ssize_t got = 0;
+  do {
+    got = ::read(report, &error, sizeof(error));
+  } while (got < 0 && errno == EINTR);
+  return got == static_cast<ssize_t>(sizeof(error)) ? error : 0;
+}
+
+void wait_for(pid_t id) {
+  int status = 0;
+  while (::waitpid(id, &status, 0) < 0 && errno == EINTR) {
+  }
+}
+
+[[noreturn]] void complain(int error, const std::filesystem::path& log) {
+  throw DataError(fmt::format("a run cannot be started: {} (its log would be {})",
+                              std::generic_category().message(error), log.string()));
+}
+
 }  // namespace
 
-ChildProcess::ChildProcess(const std::vector<std::string>& arguments, const std::filesystem::path& log,
-                           double time_limit, double memory_limit)
-    : start_(std::chrono::steady_clock::now()), time_limit_(time_limit), memory_limit_(memory_limit) {
+ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           const std::filesystem::path& log, Limits limits)
+    : start_(std::chrono::steady_clock::now()), limits_(limits) {
   std::vector<std::string> words = {"aslio"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const FileActions actions(log.string());
-  const int error = ::posix_spawn(&id_, kThisProgram, actions.get(), nullptr, argv.data(), environ);
-  if (error != 0) {
-    throw DataError(fmt::format("a run cannot be started: {} (its log would be {})",
-                                std::generic_category().message(error), log.string()));
-  }
+  int report[2] = {-1, -1};
+  if (::pipe2(report, O_CLOEXEC) != 0) complain(errno, log);
+  const pid_t parent = ::getpid();
+  id_ = ::fork();
+  if (id_ == 0) become(program.c_str(), argv.data(), log.c_str(), parent, report[1]);
+  int error = id_ < 0 ? errno : 0;
+  ::close(report[1]);
+  if (error == 0) error = error_of(report[0]);
+  ::close(report[0]);
+  if (error == 0) return;
+  if (id_ > 0) wait_for(id_);
+  complain(error, log);
 }
 
 ChildProcess::~ChildProcess() {
   if (id_ < 0) return;
   kill();
-  int status = 0;
-  while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
-  }
+  wait_for(id_);
 }
 
 double ChildProcess::wall_s() const {
@@ -78,6 +109,7 @@ double ChildProcess::wall_s() const {
 std::optional<ChildEnd> ChildProcess::poll() {
   int status = 0;
   if (::waitpid(id_, &status, WNOHANG) == id_) {
+    ::kill(-id_, SIGKILL);  // what it has started and left behind
     id_ = -1;
     const bool exited = WIFEXITED(status);
     ChildEnd end;
@@ -87,8 +119,8 @@ std::optional<ChildEnd> ChildProcess::poll() {
     return end;
   }
   if (limit_) return std::nullopt;
-  if (wall_s() > time_limit_) limit_ = ChildEnd::Cause::time_limit;
-  if (resident_mb(id_) > memory_limit_) limit_ = ChildEnd::Cause::memory_limit;
+  if (wall_s() > limits_.time_s) limit_ = ChildEnd::Cause::time_limit;
+  if (resident_mb(id_) > limits_.memory_mb) limit_ = ChildEnd::Cause::memory_limit;
   if (limit_) kill();
   return std::nullopt;
 }
@@ -98,7 +130,9 @@ void ChildProcess::interrupt() const {
 }
 
 void ChildProcess::kill() const {
-  if (id_ > 0) ::kill(id_, SIGKILL);
+  if (id_ <= 0) return;
+  ::kill(-id_, SIGKILL);
+  ::kill(id_, SIGKILL);  // before it has a group of its own
 }
 
 }  // namespace aslio::experiment

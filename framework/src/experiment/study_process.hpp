@@ -19,13 +19,18 @@ struct ChildEnd {
   double wall_s = 0;
 };
 
-/// This very program with other arguments. Ended and waited for at the latest when destroyed.
+/// A program with its own process group, which ends with this process, however that ends. Ended and waited for at the
+/// latest when destroyed.
 class ChildProcess {
  public:
-  /// `arguments` without the program. stdout and stderr go to `log`, stdin is empty. Limits: wall-clock time [s] and
-  /// resident memory [MB]. Throws DataError when it cannot be started.
-  ChildProcess(const std::vector<std::string>& arguments, const std::filesystem::path& log, double time_limit,
-               double memory_limit);
+  struct Limits {
+    double time_s = 0;     ///< wall-clock time
+    double memory_mb = 0;  ///< resident
+  };
+  /// `arguments` without the program. stdout and stderr go to `log`, stdin is empty. Throws DataError when it cannot be
+  /// started.
+  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+               const std::filesystem::path& log, Limits limits);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -34,6 +39,7 @@ class ChildProcess {
   std::optional<ChildEnd> poll();
   /// Asks it to end, as Ctrl-C does.
   void interrupt() const;
+  /// With everything that it has started.
   void kill() const;
 
  private:
@@ -41,7 +47,7 @@ class ChildProcess {
 
   pid_t id_ = -1;
   std::chrono::steady_clock::time_point start_;
-  double time_limit_, memory_limit_;
+  Limits limits_;
   std::optional<ChildEnd::Cause> limit_;  ///< that it was ended for
 };
 

@@ -8,11 +8,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <memory>
 
 #include "aslio/core/errors.hpp"
+#include "study_judge.hpp"
 #include "study_process.hpp"
 #include "study_store.hpp"
 
@@ -30,15 +29,6 @@ constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C it
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// First complaint in a log; empty when there is none.
-std::string complaint(const fs::path& log) {
-  std::ifstream stream(log);
-  for (std::string line; std::getline(stream, line);) {
-    if (line.starts_with("error: ")) return line.substr(7);
-  }
-  return {};
-}
-
 /// Folders that begin like this, of a study that was killed.
 void remove_leftovers(const fs::path& folder, const std::string& begin) {
   std::error_code error;
@@ -49,15 +39,6 @@ void remove_leftovers(const fs::path& folder, const std::string& begin) {
   for (const fs::path& leftover : found) fs::remove_all(leftover, error);
 }
 
-std::string exit_text(const ChildEnd& end, const fs::path& log) {
-  if (end.cause == ChildEnd::Cause::signal) {
-    const char* name = ::sigdescr_np(end.code);
-    return fmt::format("ended by signal {} ({})", end.code, name != nullptr ? name : "unknown");
-  }
-  const std::string text = complaint(log);
-  return text.empty() ? fmt::format("exit code {} without a complaint", end.code) : text;
-}
-
 class Schedule {
  public:
   Schedule(const Study& study, const StudyOptions& options, StudyMonitor& monitor)
@@ -66,15 +47,16 @@ class Schedule {
         monitor_(monitor),
         runs_folder_(fs::absolute(options.output) / "runs"),
         store_(options.output, options.data, options.keep_data, asks_for("world")) {
+    store_.remove_leftovers(options.recording);
     result_.runs = plan_runs(study, options.program, runs_folder_);
-    result_.rows = rows_so_far(study, result_.runs, options.output);
+    result_.rows = rows_so_far(study, result_.runs, options.output, options.recording);
     const std::vector<bool> selected = select_runs(study, result_.runs, options.only);
     data_.resize(study.data.size());
     states_.resize(result_.runs.size(), RunState::skipped);
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
       if (result_.rows[i] && result_.rows[i]->outcome.final) {
         states_[i] = RunState::finished;
-      } else if (selected[i]) {
+      } else if (selected[i] && is_ours(result_.runs[i].data)) {
         states_[i] = RunState::waiting;
         result_.rows[i].reset();
         ++data_[result_.runs[i].data].left;
@@ -87,7 +69,9 @@ class Schedule {
     while (true) {
       if (!result_.interrupted && monitor_.stop_requested()) stop();
       reap();
-      while (!result_.interrupted && active_.size() < static_cast<std::size_t>(options_.jobs) && start_next()) {
+      // Only what has ended makes room, or makes a run possible.
+      while (changed_ && !result_.interrupted && active_.size() < static_cast<std::size_t>(options_.jobs)) {
+        changed_ = start_next();
       }
       if (active_.empty()) break;
       ::poll(nullptr, 0, kLook);  // or until a signal comes
@@ -117,6 +101,11 @@ class Schedule {
     return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
   }
 
+  /// A job of an executor works on one recording.
+  bool is_ours(std::size_t data) const {
+    return options_.recording.empty() || study_.data[data].name == options_.recording;
+  }
+
   void stop() {
     result_.interrupted = true;
     stopped_ = Clock::now();
@@ -132,6 +121,7 @@ class Schedule {
         ++i;
         continue;
       }
+      changed_ = true;
       const Active ended = std::move(active_[i]);
       active_.erase(active_.begin() + static_cast<std::ptrdiff_t>(i));
       if (ended.run) {
@@ -192,8 +182,10 @@ class Schedule {
     for (const std::string& assignment : data.set) arguments.insert(arguments.end(), {"--set", assignment});
     if (asks_for("world")) arguments.insert(arguments.end(), {"--save-world", (folder / kWorldFile).string()});
     data_[d].state = DataState::simulating;
-    active_.push_back({std::nullopt, d, folder, log,
-                       std::make_unique<ChildProcess>(arguments, log, kSimulationLimit, study_.config.memory_limit)});
+    active_.push_back(
+        {std::nullopt, d, folder, log,
+         std::make_unique<ChildProcess>(options_.executable, arguments, log,
+                                        ChildProcess::Limits{kSimulationLimit, study_.config.memory_limit})});
   }
 
   void finish_simulation(const Active& ended, const ChildEnd& end) {
@@ -250,35 +242,13 @@ class Schedule {
     states_[i] = RunState::active;
     active_.push_back(
         {i, run.data, folder, log,
-         std::make_unique<ChildProcess>(arguments, log, study_.config.time_limit, study_.config.memory_limit)});
-  }
-
-  StudyOutcome judge(const Active& ended, const ChildEnd& end) const {
-    StudyOutcome outcome;
-    if (end.cause == ChildEnd::Cause::time_limit) {
-      outcome.status = "timeout";
-      outcome.reason = fmt::format("longer than {:g} s", study_.config.time_limit);
-    } else if (end.cause == ChildEnd::Cause::memory_limit) {
-      outcome.status = "memory";
-      outcome.reason = fmt::format("more than {:g} MB", study_.config.memory_limit);
-    } else if (end.cause == ChildEnd::Cause::signal) {
-      outcome.status = "crashed";
-      outcome.reason = exit_text(end, ended.log);
-    } else if (const auto summary = read_summary_outcome(ended.folder)) {
-      outcome = *summary;
-      // What could not be read or written may be a matter of this machine, today.
-      outcome.final = end.code != 3 || outcome.status != "failed";
-    } else {
-      outcome.status = "failed";
-      outcome.reason = exit_text(end, ended.log);
-    }
-    outcome.wall_s = end.wall_s;
-    return outcome;
+         std::make_unique<ChildProcess>(options_.executable, arguments, log,
+                                        ChildProcess::Limits{study_.config.time_limit, study_.config.memory_limit})});
   }
 
   void finish_run(const Active& ended, const ChildEnd& end) {
     const std::size_t i = *ended.run;
-    const StudyOutcome outcome = judge(ended, end);
+    const StudyOutcome outcome = judge_run(end, ended.folder, ended.log, study_.config);
     std::error_code error;
     // Ended because we asked it to, or by the Ctrl-C that we shall hear of in a moment.
     if (outcome.status == "interrupted" || (result_.interrupted && end.code != 0)) {
@@ -321,10 +291,13 @@ class Schedule {
       const auto s = static_cast<long>(std::lround(left));
       line += fmt::format("; {}:{:02}:{:02} left", s / 3600, s / 60 % 60, s % 60);
     }
+    failed_ += row.good() ? 0 : 1;
+    if (failed_ > 0) line += fmt::format("; {} failed", failed_);
     monitor_.on_line(line);
   }
 
   void write_tables() {
+    if (!options_.recording.empty()) return;  // others are at work on the rest
     const auto begin = Clock::now();
     write_study_tables(study_, result_.runs, result_.rows, options_.output);
     written_ = Clock::now();
@@ -340,7 +313,8 @@ class Schedule {
   std::vector<DataProgress> data_;
   std::vector<RunState> states_;
   std::vector<Active> active_;
-  std::size_t total_ = 0, done_ = 0;  ///< runs of this call
+  std::size_t total_ = 0, done_ = 0, failed_ = 0;  ///< runs of this call
+  bool changed_ = true;                            ///< since the last look for something to start
   Clock::time_point start_ = Clock::now(), stopped_, written_;
   double writing_s_ = 0;  ///< the tables took so long last time
 };
@@ -353,9 +327,10 @@ std::size_t StudyResult::failures() const {
 }
 
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
-                                                 const fs::path& output) {
+                                                 const fs::path& output, const std::string& recording) {
   std::vector<std::optional<StudyRow>> rows(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!recording.empty() && study.data[runs[i].data].name != recording) continue;
     const fs::path folder = output / "runs" / study.data[runs[i].data].name / runs[i].folder;
     if (const auto outcome = read_outcome(folder, runs[i].key)) rows[i] = read_row(folder, *outcome);
   }
@@ -369,7 +344,12 @@ StudyResult run_study(const Study& study, const StudyOptions& options, StudyMoni
     throw ConfigError(fmt::format("--output {}: {}; name a folder that exists or can be created",
                                   options.output.string(), error ? error.message() : "it is not a folder"));
   }
-  const auto lock = FolderLock::take(options.output, true);
+  fs::path locked = options.output;
+  if (!options.recording.empty()) {
+    locked = options.output / "runs" / options.recording;
+    fs::create_directories(locked, error);
+  }
+  const auto lock = FolderLock::take(locked, true);
   if (!lock) {
     throw ConfigError(
         fmt::format("--output {}: another `aslio experiment` is at work there; wait for it, or name "

@@ -66,9 +66,7 @@ StudyStore::StudyStore(fs::path output, const std::optional<fs::path>& shared, b
       root_(shared ? *shared : output_ / "simulated"),
       own_root_(!shared),
       keep_(keep),
-      world_(world) {
-  remove_leftovers();
-}
+      world_(world) {}
 
 StudyStore::~StudyStore() {
   std::error_code ignored;
@@ -168,12 +166,12 @@ void StudyStore::keep_small_files(const StudyData& data, const fs::path& folder)
   }
 }
 
-/// A study that was killed leaves half-written data without a lock.
-void StudyStore::remove_leftovers() const {
+void StudyStore::remove_leftovers(const std::string& recording) const {
+  const std::string begin = recording.empty() ? std::string(kPartial) : kPartial + recording + "-";
   std::error_code error;
   std::vector<fs::path> found;
   for (auto at = fs::directory_iterator(root_, error); !error && at != fs::directory_iterator(); at.increment(error)) {
-    if (at->path().filename().string().starts_with(kPartial)) found.push_back(at->path());
+    if (at->path().filename().string().starts_with(begin)) found.push_back(at->path());
   }
   for (const fs::path& folder : found) {
     const auto lock = FolderLock::take(folder, true);

@@ -42,6 +42,8 @@ class StudyStore {
   StudyStore(const StudyStore&) = delete;
   StudyStore& operator=(const StudyStore&) = delete;
 
+  /// A study that was killed leaves half-written data without a lock: they go, of one recording or (empty) of all.
+  void remove_leftovers(const std::string& recording) const;
   /// The folder of these data if they are there, whole; they stay until release().
   std::optional<std::filesystem::path> find(const StudyData& data);
   /// An empty folder to simulate into.
@@ -65,7 +67,6 @@ class StudyStore {
   bool holds(const std::filesystem::path& folder, const std::string& identity) const;
   /// Truth and overlap are small, and what figures need: they stay.
   void keep_small_files(const StudyData& data, const std::filesystem::path& folder) const;
-  void remove_leftovers() const;
 
   std::filesystem::path output_, root_;
   bool own_root_, keep_, world_;

@@ -81,7 +81,8 @@ struct StudyMethod {
   std::vector<std::string> axes;  ///< value on each axis, as text
   /// Names in {run:NAME}, and the methods they mean, all of which stand before this one.
   std::vector<std::pair<std::string, std::size_t>> uses;
-  std::string resolved;  ///< pipeline with every key at its effective value
+  std::string resolved;            ///< pipeline with every key at its effective value
+  std::vector<std::string> paths;  ///< paths_in(resolved)
 };
 
 /// A study that has been checked: every file it names exists, every pipeline with its overrides is valid.
@@ -126,6 +127,13 @@ struct StudyRun {
 /// overrides_of().
 std::vector<StudyRun> plan_runs(const Study& study, std::string_view program,
                                 const std::filesystem::path& runs_folder = {});
+
+/// The same of one recording, behind those that there are: a plan of any size, one recording at a time.
+void append_runs(const Study& study, std::string_view program, const std::filesystem::path& runs_folder,
+                 std::size_t data, std::vector<StudyRun>& runs);
+
+/// Values of a resolved pipeline that may be paths of files; they may hold {data}.
+std::vector<std::string> paths_in(const std::string& resolved);
 
 /// The key of a run, by what is now in the files that its pipeline names: a schedule, for one.
 std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,

@@ -20,6 +20,10 @@ struct StudyOptions {
   std::string only;                      ///< glob of select_runs()
   std::string program;                   ///< identity of this program, for plan_runs()
   std::vector<std::string> run_options;  ///< further options of every run, as `--plugin FILE`
+  /// This recording alone, without tables, beside others at work in `output`: a job of a cluster. Empty: all.
+  std::string recording;
+  /// Started for every simulation and every run, with the arguments of `aslio simulate` and `aslio run`.
+  std::filesystem::path executable = "/proc/self/exe";  ///< the file that runs, even when it has been replaced since
 };
 
 /// How a study talks to whoever started it.
@@ -40,9 +44,10 @@ struct StudyResult {
 };
 
 /// What an earlier call with the same data, configuration and program has left in `output`. Rows whose outcome is not
-/// final are made again.
+/// final are made again. `recording`: of this one alone, unless empty.
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
-                                                 const std::filesystem::path& output);
+                                                 const std::filesystem::path& output,
+                                                 const std::string& recording = {});
 
 /// Makes the runs that are not finished, writes results.csv and table.md whenever the runs over a recording are done.
 /// A run that fails, crashes or exceeds a limit is a row. Throws ConfigError for an output folder that cannot be used

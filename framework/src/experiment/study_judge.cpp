@@ -1,0 +1,87 @@
+#include "study_judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+
+namespace aslio::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBadDataExit = 3;
+constexpr std::array<std::string_view, 6> kStatuses = {"ok",        "degraded", "diverged",
+                                                       "truncated", "failed",   "interrupted"};
+
+/// First complaint in a log; empty when there is none.
+std::string complaint(const fs::path& log) {
+  std::ifstream stream(log);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("error: ")) return line.substr(7);
+  }
+  return {};
+}
+
+/// Outcome of a child that ended by itself.
+StudyOutcome judge_exit(const ChildEnd& end, const fs::path& folder, const fs::path& log) {
+  const auto failed = [](std::string reason) {
+    return StudyOutcome{.status = "failed", .reason = std::move(reason), .wall_s = 0, .final = false};
+  };
+  const auto summary = read_summary_outcome(folder);
+  std::error_code ignored;
+  if (!summary && fs::exists(folder / "summary.json", ignored)) {
+    return failed(fmt::format("its summary.json is none (exit code {})", end.code));
+  }
+  if (!summary) return failed(exit_text(end, log));
+  if (std::find(kStatuses.begin(), kStatuses.end(), summary->status) == kStatuses.end()) {
+    return failed(fmt::format("its summary.json has the unknown status '{}'", summary->status));
+  }
+  const bool good = summary->status == "ok" || summary->status == "degraded";
+  if (good && end.code != 0 && end.code != kBadDataExit) {
+    return failed(fmt::format("its summary.json says {}, its exit code is {}", summary->status, end.code));
+  }
+  StudyOutcome outcome = *summary;
+  // What could not be read or written may be a matter of this machine, today.
+  outcome.final = end.code != kBadDataExit || outcome.status != "failed";
+  return outcome;
+}
+
+}  // namespace
+
+std::string exit_text(const ChildEnd& end, const fs::path& log) {
+  if (end.cause == ChildEnd::Cause::signal) {
+    const char* name = ::sigdescr_np(end.code);
+    return fmt::format("ended by signal {} ({})", end.code, name != nullptr ? name : "unknown");
+  }
+  const std::string text = complaint(log);
+  return text.empty() ? fmt::format("exit code {} without a complaint", end.code) : text;
+}
+
+StudyOutcome judge_run(const ChildEnd& end, const fs::path& folder, const fs::path& log, const StudyConfig& config) {
+  StudyOutcome outcome;
+  switch (end.cause) {
+    case ChildEnd::Cause::time_limit:
+      outcome.status = "timeout";
+      outcome.reason = fmt::format("longer than {:g} s", config.time_limit);
+      break;
+    case ChildEnd::Cause::memory_limit:
+      outcome.status = "memory";
+      outcome.reason = fmt::format("more than {:g} MB", config.memory_limit);
+      break;
+    case ChildEnd::Cause::signal:
+      outcome.status = "crashed";
+      outcome.reason = exit_text(end, log);
+      break;
+    case ChildEnd::Cause::exit:
+      outcome = judge_exit(end, folder, log);
+      break;
+  }
+  outcome.wall_s = end.wall_s;
+  return outcome;
+}
+
+}  // namespace aslio::experiment

@@ -1,0 +1,209 @@
+/// A study whose runs go wrong in every way, and one that is killed itself. The runs are those of child_program.cpp.
+
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <sstream>
+#include <thread>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/experiment/study_run.hpp"
+#include "study_files.hpp"
+
+using namespace aslio::test;
+using namespace aslio::experiment;
+using Catch::Matchers::Contains;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+class Quiet final : public StudyMonitor {
+ public:
+  void on_line(const std::string& line) override { lines += line + "\n"; }
+  bool stop_requested() override { return false; }
+  std::string lines;
+};
+
+StudyOptions options(const fs::path& output, int jobs = 2) {
+  StudyOptions out;
+  out.output = output;
+  out.jobs = jobs;
+  out.program = "program";
+  out.executable = ASLIO_CHILD_PROGRAM;
+  return out;
+}
+
+std::string methods(const std::vector<std::string>& names) {
+  std::string text = "methods:\n";
+  for (const std::string& name : names) text += method(name, "fixed_window");
+  return text;
+}
+
+/// Runs the study in a process of its own, which is killed after `limit` where there is one. Its exit code; 256 and the
+/// signal for one that was killed.
+int run_apart(const Study& study, const StudyOptions& how, std::optional<std::chrono::milliseconds> limit,
+              std::optional<rlim_t> file_size = std::nullopt) {
+  const pid_t id = ::fork();
+  if (id == 0) {
+    if (file_size) {
+      ::signal(SIGXFSZ, SIG_IGN);  // as the real program does
+      const rlimit bound{*file_size, *file_size};
+      ::setrlimit(RLIMIT_FSIZE, &bound);
+    }
+    int code = 0;
+    try {
+      Quiet monitor;
+      code = run_study(study, how, monitor).failures() > 0 ? 1 : 0;
+    } catch (const aslio::DataError&) {
+      code = 3;
+    }
+    ::_exit(code);
+  }
+  if (limit) {
+    std::this_thread::sleep_for(*limit);
+    ::kill(id, SIGKILL);
+  }
+  int status = 0;
+  ::waitpid(id, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 256 + WTERMSIG(status);
+}
+
+/// The tables of a study without what a clock or the kernel decides.
+std::vector<std::string> tables(const fs::path& output) {
+  std::vector<std::string> out = {content(output / "table.md"), content(output / "statistics.csv")};
+  std::istringstream lines(content(output / "results.csv"));
+  std::string line;
+  std::getline(lines, line);
+  std::istringstream names(line);
+  std::vector<std::string> header;
+  for (std::string name; std::getline(names, name, ',');) header.push_back(name);
+  for (const std::string& name : header) {
+    if (name == "cpu_s_per_s" || name == "peak_rss_mb") continue;
+    for (const std::string& cell : column(output / "results.csv", name)) out.push_back(name + "=" + cell);
+  }
+  return out;
+}
+
+std::string two_methods() {
+  return head() + "datasets: [{scene: scene_a.yaml, seeds: 1-6}, {scene: scene_b.yaml, seeds: 1-6}]\n" +
+         methods({"one", "two"}) + "baseline: one\nmetrics: [ate_m]\n";
+}
+
+}  // namespace
+
+TEST_CASE("a run that goes wrong in any way is a row with its reason, and the study goes on") {
+  const StudyFiles files;
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"segv", "crashed: ended by signal 11 (Segmentation fault)"},
+      {"hang", "timeout: longer than 2 s"},
+      {"hoard", "memory: more than 200 MB"},
+      {"not_a_number", "failed: its summary.json is none (exit code 0)"},
+      {"garbage", "failed: its summary.json is none (exit code 0)"},
+      {"unknown", "failed: its summary.json has the unknown status 'splendid'"},
+      {"liar", "failed: its summary.json says ok, its exit code is 1"},
+      {"mute", "failed: exit code 1 without a complaint"},
+      {"forks", "ok: "},
+      {"good", "ok: "}};
+  std::vector<std::string> names;
+  for (const auto& [name, outcome] : expected) names.push_back(name);
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods(names) +
+                                 "metrics: [ate_m]\ntime_limit: 2\nmemory_limit: 200\n");
+  Quiet monitor;
+  const StudyResult result = run_study(study, options(files.folder / "out"), monitor);
+  INFO(monitor.lines);
+  REQUIRE(result.rows.size() == expected.size());
+  CHECK(result.failures() == 8);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    INFO(expected[i].first);
+    REQUIRE(result.rows[i].has_value());
+    CHECK(result.rows[i]->outcome.status + ": " + result.rows[i]->outcome.reason == expected[i].second);
+  }
+  CHECK_THAT(content(files.folder / "out/table.md"),
+             Contains("| scene_a | x | x | x | x | x | x | x | x | 0.") && Contains("| scene_a_1 | liar | failed |"));
+  // Nothing that a run has started outlives it.
+  const pid_t left = std::stoi(content(files.folder / "out/runs/scene_a_1/forks/left_behind.txt"));
+  for (int i = 0; i < 200 && ::kill(left, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const std::string state = content("/proc/" + std::to_string(left) + "/stat");
+  CHECK((state.empty() || state.find(") Z ") != std::string::npos));
+}
+
+TEST_CASE("a study that is killed ten times ends with the tables of one that was not") {
+  const StudyFiles files;
+  const Study study = files.load(two_methods());
+  REQUIRE(run_apart(study, options(files.folder / "whole"), std::nullopt) == 0);
+  // 24 runs of 15 ms and 12 simulations on two at a time: some 250 ms in all.
+  std::uint32_t random = 12345;
+  int killed = 0;
+  for (int i = 0; i < 10; ++i) {
+    random = random * 1664525U + 1013904223U;
+    const std::chrono::milliseconds limit(5 + (random >> 16U) % 60);
+    killed += run_apart(study, options(files.folder / "killed"), limit) == 256 + SIGKILL ? 1 : 0;
+  }
+  CHECK(killed == 10);
+  REQUIRE(run_apart(study, options(files.folder / "killed"), std::nullopt) == 0);
+  CHECK(tables(files.folder / "killed") == tables(files.folder / "whole"));
+  // Nothing is left of what was begun.
+  for (const auto& entry : fs::recursive_directory_iterator(files.folder / "killed")) {
+    INFO(entry.path());
+    CHECK(entry.path().string().find(".partial-") == std::string::npos);
+  }
+  CHECK_FALSE(fs::exists(files.folder / "killed/simulated"));
+}
+
+TEST_CASE("what a killed study has finished is not repeated") {
+  const StudyFiles files;
+  const Study study = files.load(two_methods());
+  REQUIRE(run_apart(study, options(files.folder / "out"), std::chrono::milliseconds(150)) == 256 + SIGKILL);
+  std::vector<std::pair<fs::path, fs::file_time_type>> finished;
+  for (const auto& entry : fs::recursive_directory_iterator(files.folder / "out/runs")) {
+    const bool whole = entry.path().string().find(".partial-") == std::string::npos;
+    if (whole && entry.path().filename() == "run_key.json") {
+      finished.emplace_back(entry.path(), fs::last_write_time(entry.path()));
+    }
+  }
+  REQUIRE_FALSE(finished.empty());
+  CHECK(finished.size() < 24);
+  REQUIRE(run_apart(study, options(files.folder / "out"), std::nullopt) == 0);
+  for (const auto& [path, time] : finished) CHECK(fs::last_write_time(path) == time);
+}
+
+TEST_CASE("the tables of one job are those of four") {
+  const StudyFiles files;
+  const Study study = files.load(two_methods());
+  REQUIRE(run_apart(study, options(files.folder / "one", 1), std::nullopt) == 0);
+  REQUIRE(run_apart(study, options(files.folder / "four", 4), std::nullopt) == 0);
+  CHECK(tables(files.folder / "one") == tables(files.folder / "four"));
+}
+
+TEST_CASE("a study on a disk that is full goes on when there is room") {
+  const StudyFiles files;
+  const Study study = files.load(two_methods());
+  REQUIRE(run_apart(study, options(files.folder / "whole"), std::nullopt) == 0);
+  // No file beyond so many bytes: simulations succeed and trajectories do not; then not even simulations.
+  CHECK(run_apart(study, options(files.folder / "full"), std::nullopt, rlim_t{4096}) != 0);
+  CHECK(run_apart(study, options(files.folder / "full"), std::nullopt, rlim_t{1024}) != 0);
+  REQUIRE(run_apart(study, options(files.folder / "full"), std::nullopt) == 0);
+  CHECK(tables(files.folder / "full") == tables(files.folder / "whole"));
+}
+
+TEST_CASE("recordings that are worked on apart give the tables of the whole") {
+  const StudyFiles files;
+  const Study study = files.load(two_methods());
+  REQUIRE(run_apart(study, options(files.folder / "whole"), std::nullopt) == 0);
+  for (const StudyData& data : study.data) {
+    StudyOptions one = options(files.folder / "parts");
+    one.recording = data.name;
+    REQUIRE(run_apart(study, one, std::nullopt) == 0);
+  }
+  CHECK_FALSE(fs::exists(files.folder / "parts/table.md"));
+  Quiet monitor;
+  CHECK(run_study(study, options(files.folder / "parts"), monitor).failures() == 0);
+  CHECK(monitor.lines.empty());
+  CHECK(tables(files.folder / "parts") == tables(files.folder / "whole"));
+}
