@@ -1,0 +1,268 @@
+#include "aslio/report/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "aslio/config/document.hpp"
+#include "aslio/config/node.hpp"
+#include "aslio/core/errors.hpp"
+#include "aslio/core/sha256.hpp"
+#include "aslio/experiment/version.hpp"
+#include "aslio/report/encode.hpp"
+#include "aslio/report/run_series.hpp"
+#include "aslio/report/table.hpp"
+
+namespace aslio::report {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kFixedBytes = 2'000'000;  // of the limit, for bundle and tables
+
+Json cell_json(const Cell& cell) {
+  constexpr std::array<const char*, 4> kMarks = {"value", "diverged", "failed", "absent"};
+  Json json = {{"mark", kMarks[static_cast<std::size_t>(cell.mark)]}, {"runs", cell.runs}};
+  if (cell.mark == Mark::value) json["median"] = cell.median;
+  if (cell.runs > cell.failed + cell.diverged) json["range"] = {cell.min, cell.max};
+  if (cell.failed > 0) json["failed"] = cell.failed;
+  if (cell.diverged > 0) json["diverged"] = cell.diverged;
+  if (cell.rank != Rank::none) json["rank"] = cell.rank == Rank::best ? 1 : 2;
+  return json;
+}
+
+Json comparison_json(const Comparison& comparison) {
+  const auto tally = [](const Tally& t) { return Json{t.won, t.lost, t.tied}; };
+  Json json = {{"method", comparison.method},
+               {"baseline", comparison.baseline},
+               {"sequences", tally(comparison.sequences)},
+               {"pairs", tally(comparison.pairs)}};
+  if (comparison.ratio) json["ratio"] = std::isfinite(*comparison.ratio) ? Json(*comparison.ratio) : Json("x");
+  Json more = Json::array();
+  for (const Statistic& statistic : comparison.more) more.push_back({statistic.name, statistic.text});
+  json["more"] = more;
+  return json;
+}
+
+Json tables_json(const StudyFolder& study) {
+  std::vector<std::string> names = study.metrics;
+  for (const std::string& figure : study.figures) {
+    if (std::find(names.begin(), names.end(), figure) == names.end()) names.push_back(figure);
+  }
+  Json json = Json::array();
+  for (const MetricTable& table : make_tables(study, names)) {
+    const Metric& metric = table.metric;
+    Json lines = Json::array(), comparisons = Json::array();
+    for (const Line& line : table.lines) {
+      Json cells = Json::array();
+      for (const Cell& cell : line.cells) cells.push_back(cell_json(cell));
+      lines.push_back({{"sequence", line.sequence}, {"cells", cells}});
+    }
+    for (const Comparison& comparison : table.comparisons) comparisons.push_back(comparison_json(comparison));
+    json.push_back({{"metric", metric.name},
+                    {"title", metric.title},
+                    {"unit", metric.unit},
+                    {"scale", metric.scale},
+                    {"smaller", metric.smaller_is_better},
+                    {"decimals", metric.decimals},
+                    {"lines", lines},
+                    {"comparisons", comparisons}});
+  }
+  return json;
+}
+
+void flatten(const config::Node& node, const std::string& path, Json& out) {
+  if (node.is_map() && !node.members().empty()) {
+    for (const config::Member& member : node.members()) {
+      flatten(member.value, path.empty() ? member.key : path + "." + member.key, out);
+    }
+  } else if (node.is_list() &&
+             std::any_of(node.items().begin(), node.items().end(), [](const config::Node& n) { return n.is_map(); })) {
+    for (std::size_t i = 0; i < node.items().size(); ++i) flatten(node.items()[i], fmt::format("{}.{}", path, i), out);
+  } else {
+    out.push_back({path, config::to_line(node)});
+  }
+}
+
+/// Resolved pipelines as [path, value] lists, each once.
+class Configs {
+ public:
+  Json index_of(const fs::path& file) {
+    const auto text = read_file(file);
+    if (!text) return nullptr;
+    const auto [at, added] = known_.try_emplace(*text, known_.size());
+    if (added) {
+      Json values = Json::array();
+      try {
+        flatten(config::parse_document(*text, file.string()), "", values);
+      } catch (const ConfigError&) {
+        values.push_back({"resolved.yaml", "cannot be read"});
+      }
+      list_.push_back(std::move(values));
+    }
+    return at->second;
+  }
+  Json take() { return std::move(list_); }
+
+ private:
+  std::map<std::string, std::size_t> known_;
+  Json list_ = Json::array();
+};
+
+Json run_json(const FolderRun& run, Configs& configs) {
+  Json json = {{"data", run.data},     {"sequence", run.sequence}, {"seed", run.seed},     {"order", run.order_seed},
+               {"method", run.method}, {"axes", run.axes},         {"status", run.status}, {"reason", run.reason}};
+  Json figures = Json::array();
+  for (const auto& figure : run.figures) figures.push_back(figure ? Json(*figure) : Json(nullptr));
+  json["figures"] = figures;
+  json["config"] = configs.index_of(run.folder / "resolved.yaml");
+  const Json manifest = Json::parse(read_file(run.folder / "manifest.json").value_or(""), nullptr, false);
+  if (manifest.is_object()) json["manifest"] = manifest;
+  const Json summary = Json::parse(read_file(run.folder / "summary.json").value_or(""), nullptr, false);
+  if (summary.is_object()) {
+    for (const char* key : {"initialisation", "notes", "weak_updates"}) {
+      if (summary.contains(key)) json["summary"][key] = summary[key];
+    }
+  }
+  return json;
+}
+
+/// The order in which runs get their share of the page: the first recording of every sequence before the second.
+std::vector<std::size_t> by_importance(const StudyFolder& study) {
+  std::map<std::string, std::vector<std::string>> data_of;
+  std::vector<std::pair<std::size_t, std::size_t>> order;
+  for (std::size_t i = 0; i < study.runs.size(); ++i) {
+    auto& names = data_of[study.runs[i].sequence];
+    const std::string name = study.runs[i].data + "/" + study.runs[i].order_seed;
+    auto at = std::find(names.begin(), names.end(), name);
+    if (at == names.end()) at = names.insert(names.end(), name);
+    order.emplace_back(static_cast<std::size_t>(at - names.begin()), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::size_t> runs;
+  for (const auto& [rank, run] : order) runs.push_back(run);
+  return runs;
+}
+
+/// Courses of the runs, as many as fit, with what belongs to their recordings.
+void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits) {
+  std::size_t left = limits.bytes > kFixedBytes ? limits.bytes - kFixedBytes : 0, shown = 0;
+  std::map<std::string, DataTruth> truths;
+  Json data = Json::object();
+  for (const std::size_t i : by_importance(study)) {
+    const FolderRun& run = study.runs[i];
+    if (!truths.contains(run.data)) truths[run.data] = read_truth(study, run.data);
+    const DataTruth& truth = truths.at(run.data);
+    std::size_t bytes = 0;
+    Json recording;
+    if (!data.contains(run.data)) {
+      recording = data_json(study, run.data, truth);
+      bytes += recording.dump().size();
+    }
+    Json series = series_json(run, truth);
+    if (series.is_null()) continue;
+    bytes += series.dump().size();
+    if (bytes > left) break;
+    left -= bytes;
+    ++shown;
+    json["runs"][i]["series"] = std::move(series);
+    if (!recording.is_null()) data[run.data] = std::move(recording);
+    if (data[run.data].contains("map")) continue;
+    Json map = map_json(run, truth, limits.map_points);
+    const std::size_t size = map.is_null() ? left + 1 : map.dump().size();
+    if (size > left) continue;
+    left -= size;
+    data[run.data]["map"] = std::move(map);
+  }
+  json["courses"] = std::move(data);
+  json["shown"] = shown;
+}
+
+Json study_json(const StudyFolder& study, const PageLimits& limits) {
+  Json baselines = Json::array();
+  for (const auto& baseline : study.baseline) baselines.push_back(baseline ? Json(*baseline) : Json(nullptr));
+  Json json = {{"format", 1},
+               {"made_by", fmt::format("aslio {}", experiment::version())},
+               {"revision", experiment::source_revision()},
+               {"name", study.name},
+               {"question", study.question},
+               {"prediction", study.prediction},
+               {"rule", study.rule},
+               {"verdict", study.verdict},
+               {"identical", study.identical},
+               {"planned", study.planned.value_or(study.runs.size())},
+               {"axes", study.axes},
+               {"methods", study.methods},
+               {"baselines", baselines},
+               {"sequences", study.sequences},
+               {"data", study.data},
+               {"metrics", study.metrics},
+               {"figures", study.figures},
+               {"tables", tables_json(study)},
+               {"latex", to_latex(study)},
+               {"markdown", to_markdown(study)}};
+  Configs configs;
+  Json runs = Json::array();
+  for (const FolderRun& run : study.runs) runs.push_back(run_json(run, configs));
+  json["runs"] = std::move(runs);
+  json["configs"] = configs.take();
+  put_courses(json, study, limits);
+  return json;
+}
+
+/// 'sha256-..' as a content security policy names a text.
+std::string policy_hash(const std::string& text) {
+  const std::string hex = sha256_of(text);
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    std::uint8_t byte = 0;
+    std::from_chars(hex.data() + i, hex.data() + i + 2, byte, 16);
+    bytes.push_back(byte);
+  }
+  return fmt::format("'sha256-{}'", base64(bytes));
+}
+
+}  // namespace
+
+Bundle read_bundle(const fs::path& folder) {
+  const auto script = read_file(folder / "report.js"), style = read_file(folder / "report.css");
+  if (!script || !style) {
+    const std::string reason = read_file(folder / "missing.txt").value_or("");
+    throw DataError(
+        fmt::format("{}: report.js and report.css are missing, the page cannot be made{}{}; install Node.js with npm "
+                    "(apt-get install nodejs npm), let it reach the npm registry and build aslio again "
+                    "(-DASLIO_REPORT=ON tells what fails); --format md,tex,csv works without",
+                    folder.string(), reason.empty() ? "" : ": ", reason.substr(0, reason.find('\n'))));
+  }
+  if (script->find("</script") != std::string::npos || style->find("</style") != std::string::npos) {
+    throw DataError(fmt::format("{}: the script or style would end its own element; build it again", folder.string()));
+  }
+  return {*script, *style};
+}
+
+std::string make_page(const StudyFolder& study, const Bundle& bundle, const PageLimits& limits) {
+  std::string page = fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {}; style-src {}; "
+      "img-src data: blob:; base-uri 'none'; form-action 'none'; require-trusted-types-for 'script'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"referrer\" content=\"no-referrer\">\n<title>{}</title>\n<style>",
+      policy_hash(bundle.script), policy_hash(bundle.style), html_escaped(study.name));
+  page += bundle.style;
+  page +=
+      "</style>\n</head>\n<body>\n<noscript>This page draws its tables and figures with a script it holds itself; "
+      "allow scripts to see them, or use `aslio report --format md`.</noscript>\n"
+      "<div id=\"report\"></div>\n<script type=\"application/json\" id=\"study\">";
+  page += script_safe(study_json(study, limits));
+  page += "</script>\n<script>";
+  page += bundle.script;
+  page += "</script>\n</body>\n</html>\n";
+  return page;
+}
+
+}  // namespace aslio::report

@@ -1,0 +1,44 @@
+#include "placement.hpp"
+
+#include "aslio/core/errors.hpp"
+#include "aslio/evaluation/evaluation.hpp"
+#include "aslio/experiment/measure.hpp"
+#include "aslio/io/writers.hpp"
+
+namespace aslio::report {
+
+namespace {
+
+/// Throws DataError when the two have no time in common, or too little motion to align by.
+Pose alignment_of(const Trajectory& estimate, const Trajectory& truth, const evaluation::Options& options) {
+  const auto association = evaluation::associate_interpolated(estimate, truth, to_ns(options.max_reference_gap),
+                                                              to_ns(options.max_estimate_gap));
+  const auto weights = evaluation::time_weights(association.pairs, to_ns(options.max_estimate_gap));
+  return evaluation::align(options.alignment, association.pairs, weights);
+}
+
+}  // namespace
+
+std::optional<Placed> place(const FolderRun& run, const DataTruth& truth) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(run.folder / "trajectory.tum", ignored)) return std::nullopt;
+  Placed out;
+  try {
+    out.poses = io::read_tum(run.folder / "trajectory.tum");
+    if (!truth.truth) return out;
+    const auto options = experiment::measuring_options(*truth.truth, evaluation::Rule::interpolated);
+    out.T_truth_run = alignment_of(Trajectory(out.poses), *truth.truth, options);
+    out.aligned = true;
+    Vec3 error = Vec3::Zero();
+    for (StampedPose& pose : out.poses) {
+      pose.T = out.T_truth_run * pose.T;
+      if (const auto at = truth.truth->pose(pose.t, to_ns(options.max_reference_gap))) error = pose.T.p - at->p;
+      out.errors.push_back(error);
+    }
+  } catch (const DataError&) {
+    if (out.poses.empty()) return std::nullopt;
+  }
+  return out;
+}
+
+}  // namespace aslio::report

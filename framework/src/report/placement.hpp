@@ -1,0 +1,21 @@
+#pragma once
+/// Where a run's trajectory lies in the world of the truth.
+
+#include <optional>
+#include <vector>
+
+#include "aslio/report/run_series.hpp"
+
+namespace aslio::report {
+
+struct Placed {
+  std::vector<StampedPose> poses;
+  std::vector<Vec3> errors;  ///< position less truth [m], by pose; empty without truth. Held where the truth has a gap
+  Pose T_truth_run;          ///< identity without truth
+  bool aligned = false;
+};
+
+/// Aligned as the ATE is. Nothing when the run has no trajectory that can be read.
+std::optional<Placed> place(const FolderRun& run, const DataTruth& truth);
+
+}  // namespace aslio::report

@@ -1,0 +1,92 @@
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "aslio/report/run_series.hpp"
+
+namespace aslio::report {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+bool is_text(std::string_view name) { return name == "status" || name == "tracking" || name == "digest"; }
+
+double number_of(std::string_view cell) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return error == std::errc{} && end == cell.data() + cell.size() && std::isfinite(value) ? value : kNone;
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> cells;
+  while (true) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+/// Telemetry has no quotes: names and numbers only.
+class Reader {
+ public:
+  explicit Reader(std::string_view header) {
+    for (const std::string_view name : split(header)) names_.emplace_back(name);
+    for (const std::string& name : names_) {
+      if (name == "t_ns") {
+        targets_.push_back({});
+      } else if (is_text(name)) {
+        targets_.push_back({nullptr, &columns_.texts[name]});
+      } else {
+        targets_.push_back({&columns_.numbers[name], nullptr});
+      }
+    }
+  }
+
+  void take(std::string_view line) {
+    const auto cells = split(line);
+    if (cells.size() != names_.size()) return;
+    TimeNs t = 0;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (names_[i] != "t_ns") continue;
+      const auto [end, error] = std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), t);
+      if (error != std::errc{} || (!columns_.t.empty() && t <= columns_.t.back())) return;
+    }
+    columns_.t.push_back(t);
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (targets_[i].numbers != nullptr) targets_[i].numbers->push_back(number_of(cells[i]));
+      if (targets_[i].texts != nullptr) targets_[i].texts->emplace_back(cells[i]);
+    }
+  }
+
+  Columns finish() { return std::move(columns_); }
+
+ private:
+  struct Target {
+    std::vector<double>* numbers = nullptr;
+    std::vector<std::string>* texts = nullptr;
+  };
+  Columns columns_;
+  std::vector<std::string> names_;
+  std::vector<Target> targets_;
+};
+
+}  // namespace
+
+std::optional<Columns> read_columns(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return std::nullopt;
+  std::string_view left = *text;
+  std::size_t end = left.find('\n');
+  if (end == std::string_view::npos) return std::nullopt;
+  Reader reader(left.substr(0, end));
+  for (left.remove_prefix(end + 1); (end = left.find('\n')) != std::string_view::npos; left.remove_prefix(end + 1)) {
+    reader.take(left.substr(0, end));
+  }
+  Columns columns = reader.finish();
+  if (columns.t.empty()) return std::nullopt;
+  return columns;
+}
+
+}  // namespace aslio::report

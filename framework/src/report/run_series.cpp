@@ -1,0 +1,245 @@
+#include "aslio/report/run_series.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/evaluation/evaluation.hpp"
+#include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/measure.hpp"
+#include "aslio/io/writers.hpp"
+#include "aslio/report/encode.hpp"
+#include "placement.hpp"
+
+namespace aslio::report {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kTimeUnit = 1e-4;       // [s]
+constexpr double kLengthUnit = 1e-3;     // [m] of positions
+constexpr double kErrorUnit = 1e-4;      // [m]
+constexpr double kPathTolerance = 4e-3;  // [m]; with the rounding of the positions within 5 mm
+constexpr double kTolerance = 3e-3;      // of a channel's range
+constexpr double kValueUnit = 2e-3;      // of a channel's range: with the tolerance within 0.4 %
+constexpr double kDegree = 180.0 / std::numbers::pi;
+
+/// Values over time with what is missing left out.
+struct Channel {
+  std::vector<double> t, values;
+
+  void add(double time, double value) {
+    if (!std::isfinite(value)) return;
+    t.push_back(time);
+    values.push_back(value);
+  }
+};
+
+Json packed(const Channel& channel) {
+  if (channel.t.empty()) return nullptr;
+  const auto [low, high] = std::minmax_element(channel.values.begin(), channel.values.end());
+  const double range = *high - *low;
+  const double unit = range > 0 ? kValueUnit * range : std::max(std::abs(*high), 1e-9);
+  std::vector<double> t, values;
+  for (const std::uint32_t i : decimated(channel.t, channel.values, kTolerance * range)) {
+    t.push_back(channel.t[i]);
+    values.push_back(channel.values[i]);
+  }
+  return {{"t", packed_numbers(t, kTimeUnit)}, {"v", packed_numbers(values, unit)}, {"unit", unit}};
+}
+
+void put(Json& json, const char* name, const Channel& channel) {
+  if (!channel.t.empty()) json[name] = packed(channel);
+}
+
+double seconds_from(TimeNs origin, TimeNs t) { return to_seconds(t - origin); }
+
+void put_vectors(Json& json, std::array<const char*, 3> names, const std::vector<Vec3>& vectors, double unit) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    for (const Vec3& v : vectors) values.push_back(v[k]);
+    json[names[static_cast<std::size_t>(k)]] = packed_numbers(values, unit);
+  }
+}
+
+/// The quaternion x, y, z, w in bytes of 1/127.
+void put_rotation(std::vector<std::uint8_t>& bytes, const Mat3& R) {
+  const Eigen::Quaterniond q(R);
+  for (const double c : {q.x(), q.y(), q.z(), q.w()}) {
+    bytes.push_back(static_cast<std::uint8_t>(static_cast<std::int8_t>(std::lround(127 * std::clamp(c, -1.0, 1.0)))));
+  }
+}
+
+/// Positions within kPathTolerance, with orientations, and errors where there are any.
+Json path_json(std::span<const StampedPose> poses, TimeNs origin, const std::vector<Vec3>& errors) {
+  std::array<std::vector<double>, 4> all;
+  for (const StampedPose& pose : poses) {
+    all[0].push_back(seconds_from(origin, pose.t));
+    for (Eigen::Index k = 0; k < 3; ++k) all[static_cast<std::size_t>(k) + 1].push_back(pose.T.p[k]);
+  }
+  std::vector<double> t;
+  std::vector<Vec3> positions, kept_errors;
+  std::vector<std::uint8_t> rotations;
+  for (const std::uint32_t i : decimated(all[0], all[1], all[2], all[3], kPathTolerance)) {
+    t.push_back(all[0][i]);
+    positions.push_back(poses[i].T.p);
+    if (!errors.empty()) kept_errors.push_back(errors[i]);
+    put_rotation(rotations, poses[i].T.R);
+  }
+  Json json = {{"t", packed_numbers(t, kTimeUnit)}};
+  put_vectors(json, {"x", "y", "z"}, positions, kLengthUnit);
+  json["q"] = base64(rotations);
+  if (!errors.empty()) put_vectors(json, {"dx", "dy", "dz"}, kept_errors, kErrorUnit);
+  return json;
+}
+
+const std::vector<double>* column(const Columns& columns, const std::string& name) {
+  const auto at = columns.numbers.find(name);
+  return at != columns.numbers.end() ? &at->second : nullptr;
+}
+
+Channel channel_of(const Columns& columns, const std::string& name, TimeNs origin, double scale = 1) {
+  Channel channel;
+  if (const auto* values = column(columns, name)) {
+    for (std::size_t i = 0; i < values->size(); ++i) {
+      channel.add(seconds_from(origin, columns.t[i]), scale * (*values)[i]);
+    }
+  }
+  return channel;
+}
+
+/// Inverse of the time to the update before.
+Channel rate_of(const Columns& columns, TimeNs origin) {
+  Channel channel;
+  for (std::size_t i = 1; i < columns.t.size(); ++i) {
+    channel.add(seconds_from(origin, columns.t[i]), 1 / to_seconds(columns.t[i] - columns.t[i - 1]));
+  }
+  return channel;
+}
+
+/// [begin, end, status] of the stretches whose updates were not `ok`.
+Json weak_stretches(const Columns& columns, TimeNs origin) {
+  Json json = Json::array();
+  const auto at = columns.texts.find("status");
+  if (at == columns.texts.end()) return json;
+  const std::vector<std::string>& status = at->second;
+  const auto rounded = [&](std::size_t i) { return std::round(1e3 * seconds_from(origin, columns.t[i])) / 1e3; };
+  for (std::size_t i = 0; i < status.size();) {
+    std::size_t end = i + 1;
+    while (end < status.size() && status[end] == status[i]) ++end;
+    if (status[i] != "ok") json.push_back({rounded(i == 0 ? 0 : i - 1), rounded(end - 1), status[i]});
+    i = end;
+  }
+  return json;
+}
+
+/// CPU of every update [ms], and by stage the mean over all.
+void put_timings(Json& json, const fs::path& file, TimeNs origin) {
+  const auto columns = read_columns(file);
+  if (!columns) return;
+  std::vector<double> total(columns->t.size(), 0.0);
+  Json stages = Json::object();
+  for (const auto& [name, values] : columns->numbers) {
+    double sum = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!std::isfinite(values[i])) continue;
+      total[i] += values[i];
+      sum += values[i];
+    }
+    stages[name.substr(0, name.rfind("_s"))] = 1e3 * sum / static_cast<double>(values.size());
+  }
+  Channel channel;
+  for (std::size_t i = 0; i < total.size(); ++i) channel.add(seconds_from(origin, columns->t[i]), 1e3 * total[i]);
+  put(json["channels"], "cpu_ms", channel);
+  json["stages_ms"] = stages;
+}
+
+void put_telemetry(Json& json, const fs::path& file, TimeNs origin) {
+  const auto columns = read_columns(file);
+  if (!columns) return;
+  Json& channels = json["channels"];
+  put(channels, "sod", channel_of(*columns, "sod", origin));
+  put(channels, "rate_hz", rate_of(*columns, origin));
+  put(channels, "gyro_deg_s", channel_of(*columns, "gyro_rms_rad_s", origin, kDegree));
+  put(channels, "matches", channel_of(*columns, "n_matches", origin));
+  put(channels, "residual_cm", channel_of(*columns, "residual_rms_m", origin, 100));
+  put(channels, "weakest", channel_of(*columns, "eig_1", origin));
+  put(channels, "iterations", channel_of(*columns, "iterations", origin));
+  json["weak"] = weak_stretches(*columns, origin);
+}
+
+}  // namespace
+
+DataTruth read_truth(const StudyFolder& study, const std::string& data) {
+  DataTruth out;
+  fs::path file = study.folder / "data" / data / "truth.tum";
+  std::error_code ignored;
+  const auto run = std::find_if(study.runs.begin(), study.runs.end(), [&](const FolderRun& r) {
+    return r.data == data && fs::exists(r.folder / "manifest.json", ignored);
+  });
+  try {
+    if (!fs::exists(file, ignored) && run != study.runs.end()) {
+      const Json manifest = Json::parse(read_file(run->folder / "manifest.json").value_or(""), nullptr, false);
+      const auto dataset = manifest.is_object() ? manifest.find("dataset") : manifest.end();
+      if (dataset != manifest.end() && dataset->is_string() && fs::exists(dataset->get<std::string>(), ignored)) {
+        file = experiment::load_dataset(dataset->get<std::string>()).reference.value_or("");
+      }
+    }
+    if (!file.empty() && fs::is_regular_file(file, ignored)) out.truth = Trajectory(io::read_tum(file));
+  } catch (const std::runtime_error&) {
+    out.truth.reset();  // the page tells that there is no truth
+  }
+  if (out.truth) {
+    out.origin = out.truth->begin_time();
+  } else if (run != study.runs.end()) {
+    if (const auto columns = read_columns(run->folder / "updates.csv")) out.origin = columns->t.front();
+  }
+  return out;
+}
+
+Json data_json(const StudyFolder& study, const std::string& data, const DataTruth& truth) {
+  Json json = {{"name", data}};
+  if (truth.truth) json["truth"] = path_json(truth.truth->samples(), truth.origin, {});
+  const auto lines = parse_csv(read_file(study.folder / "data" / data / "overlap.csv").value_or(""));
+  if (lines.empty()) return json;
+  const auto at = [&](const char* name) {
+    return static_cast<std::size_t>(std::find(lines[0].begin(), lines[0].end(), name) - lines[0].begin());
+  };
+  const std::size_t time = at("t"), overlap = at("true_overlap");
+  if (time == lines[0].size() || overlap == lines[0].size()) return json;
+  Channel channel;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    if (lines[i].size() != lines[0].size()) continue;
+    const double t = std::strtod(lines[i][time].c_str(), nullptr) - to_seconds(truth.origin);
+    if (channel.t.empty() || t > channel.t.back()) channel.add(t, std::strtod(lines[i][overlap].c_str(), nullptr));
+  }
+  if (!channel.t.empty()) json["overlap"] = packed(channel);
+  return json;
+}
+
+Json series_json(const FolderRun& run, const DataTruth& truth) {
+  Json json = {{"channels", Json::object()}};
+  if (const auto placed = place(run, truth)) {
+    json["path"] = path_json(placed->poses, truth.origin, placed->errors);
+    json["aligned"] = placed->aligned;
+    Channel channel;
+    for (std::size_t i = 0; i < placed->errors.size(); ++i) {
+      channel.add(seconds_from(truth.origin, placed->poses[i].t), 100 * placed->errors[i].norm());
+    }
+    put(json["channels"], "error_cm", channel);
+  }
+  put_telemetry(json, run.folder / "updates.csv", truth.origin);
+  put_timings(json, run.folder / "timings.csv", truth.origin);
+  if (json["channels"].empty() && !json.contains("path")) return nullptr;
+  return json;
+}
+
+}  // namespace aslio::report

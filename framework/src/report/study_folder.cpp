@@ -1,0 +1,269 @@
+#include "aslio/report/study_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/experiment/study_results.hpp"
+
+namespace aslio::report {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Lines = std::vector<std::vector<std::string>>;
+
+constexpr std::array<std::string_view, 5> kFixedColumns = {"data", "sequence", "seed", "order_seed", "method"};
+
+std::optional<std::size_t> index_of(const std::vector<std::string>& names, std::string_view name) {
+  const auto at = std::find(names.begin(), names.end(), name);
+  return at != names.end() ? std::optional(static_cast<std::size_t>(at - names.begin())) : std::nullopt;
+}
+
+void add_once(std::vector<std::string>& names, const std::string& name) {
+  if (!index_of(names, name)) names.push_back(name);
+}
+
+std::string trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
+  return std::string(text);
+}
+
+/// Nothing for an empty cell; throws DataError for anything else that is no finite number.
+std::optional<double> figure_of(const std::string& text, const std::string& where) {
+  if (text.empty()) return std::nullopt;
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw DataError(fmt::format("{}: '{}' is no number", where, text.substr(0, 60)));
+  }
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// A name that is one component of a path, so that nothing outside the folder is read.
+const std::string& component(const std::string& name, const std::string& where) {
+  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos ||
+      name.find('\0') != std::string::npos) {
+    throw DataError(fmt::format("{}: '{}' is no name of a folder", where, name.substr(0, 60)));
+  }
+  return name;
+}
+
+struct Header {
+  std::size_t status = 0;
+};
+
+Header read_header(const std::vector<std::string>& names, const fs::path& file) {
+  const bool begins =
+      names.size() > kFixedColumns.size() && std::equal(kFixedColumns.begin(), kFixedColumns.end(), names.begin());
+  const auto status = index_of(names, "status");
+  if (!begins || !status || *status + 1 >= names.size() || names[*status + 1] != "reason") {
+    throw DataError(
+        fmt::format("{}:1: the columns are not those of `aslio experiment` (data, sequence, seed, "
+                    "order_seed, method, .. status, reason, ..): name its output folder",
+                    file.string()));
+  }
+  return {*status};
+}
+
+FolderRun run_of(const std::vector<std::string>& cells, const Header& header, const fs::path& folder,
+                 const std::string& where) {
+  FolderRun run{.data = component(cells[0], where),
+                .sequence = cells[1],
+                .seed = cells[2],
+                .order_seed = cells[3],
+                .method = component(cells[4], where),
+                .axes = {},
+                .status = cells[header.status],
+                .reason = cells[header.status + 1],
+                .figures = {},
+                .folder = {}};
+  for (std::size_t i = kFixedColumns.size(); i < header.status; ++i) run.axes.push_back(cells[i]);
+  for (std::size_t i = header.status + 2; i < cells.size(); ++i) run.figures.push_back(figure_of(cells[i], where));
+  const bool plain = run.order_seed.empty() || run.order_seed == "0";
+  run.folder = folder / "runs" / run.data / (plain ? run.method : run.method + "_order_" + run.order_seed);
+  return run;
+}
+
+void read_runs(StudyFolder& study, const fs::path& file, const std::string& text) {
+  const Lines lines = parse_csv(text);
+  if (lines.empty()) throw DataError(fmt::format("{}: empty; run the study first", file.string()));
+  const Header header = read_header(lines[0], file);
+  const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+  study.axes.assign(lines[0].begin() + at(kFixedColumns.size()), lines[0].begin() + at(header.status));
+  study.figures.assign(lines[0].begin() + at(header.status + 2), lines[0].end());
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::string where = fmt::format("{}: run {}", file.string(), i);
+    if (lines[i].size() != lines[0].size()) {
+      throw DataError(fmt::format("{}: {} cells, {} are due", where, lines[i].size(), lines[0].size()));
+    }
+    study.runs.push_back(run_of(lines[i], header, study.folder, where));
+  }
+  if (study.runs.empty()) throw DataError(fmt::format("{}: holds no run; run the study first", file.string()));
+}
+
+/// Cells of a line of a Markdown table.
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells;
+  line.remove_prefix(1);
+  for (std::size_t bar = line.find('|'); bar != std::string_view::npos; bar = line.find('|')) {
+    cells.push_back(trimmed(line.substr(0, bar)));
+    line.remove_prefix(bar + 1);
+  }
+  return cells;
+}
+
+/// Takes one line of table.md. `part`: the heading above; `comparison`: inside the table that names the baselines.
+void take_line(StudyFolder& study, const std::string& line, std::string& part, bool& comparison) {
+  const auto after = [&](std::string_view begin) -> std::optional<std::string> {
+    return line.starts_with(begin) ? std::optional(trimmed(std::string_view(line).substr(begin.size()))) : std::nullopt;
+  };
+  if (const auto name = after("# ")) study.name = *name;
+  if (const auto text = after("**Question.** ")) study.question = *text;
+  if (const auto text = after("**Prediction.** ")) study.prediction = *text;
+  if (const auto text = after("**Rule.** ")) study.rule = *text;
+  if (const auto title = after("## ")) {
+    part = *title;
+    if (study.figure(*title)) add_once(study.metrics, *title);
+  }
+  if (const auto item = after("- "); item && part == "Identical results") study.identical.push_back(*item);
+  if (const std::size_t of = line.find(" of "); of != std::string::npos && !study.planned) {
+    std::size_t planned = 0;
+    const std::string_view rest = std::string_view(line).substr(of + 4);
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), planned);
+    if (error == std::errc{} && std::string_view(end, rest.data() + rest.size()).starts_with(" runs.")) {
+      study.planned = planned;
+    }
+  }
+  if (!line.starts_with("|")) {
+    comparison = false;
+    return;
+  }
+  const auto cells = cells_of(line);
+  if (cells.size() < 2) return;
+  if (cells[0] == "method" && cells[1] == "baseline") comparison = true;
+  const auto method = study.method(cells[0]), other = study.method(cells[1]);
+  if (comparison && method && other) study.baseline[*method] = other;
+}
+
+/// A study of an older version has none; numbers that are none are left out.
+void read_statistics(StudyFolder& study) {
+  const Lines lines = parse_csv(read_file(study.folder / "statistics.csv").value_or(""));
+  if (lines.empty()) return;
+  const auto text = [&](const std::vector<std::string>& cells, std::string_view name) -> std::string {
+    const auto at = index_of(lines[0], name);
+    return at && *at < cells.size() ? cells[*at] : std::string();
+  };
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    if (text(lines[i], "baseline").empty()) continue;
+    const auto value = [&](std::string_view name) -> std::optional<double> {
+      const std::string cell = text(lines[i], name);
+      double number = 0;
+      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+      return error == std::errc{} && end == cell.data() + cell.size() && !std::isnan(number) ? std::optional(number)
+                                                                                             : std::nullopt;
+    };
+    study.statistics.push_back({.metric = text(lines[i], "metric"),
+                                .method = text(lines[i], "method"),
+                                .low = value("low"),
+                                .high = value("high"),
+                                .effect = value("effect"),
+                                .p = value("p"),
+                                .p_holm = value("p_holm")});
+  }
+}
+
+void read_texts(StudyFolder& study) {
+  for (const FolderRun& run : study.runs) {
+    add_once(study.data, run.data);
+    add_once(study.sequences, run.sequence);
+    add_once(study.methods, run.method);
+  }
+  study.baseline.resize(study.methods.size());
+  study.verdict = read_file(study.folder / "verdict.md").value_or("");
+  const std::string text = read_file(study.folder / "table.md").value_or("");
+  std::string part;
+  bool comparison = false;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    take_line(study, text.substr(begin, end - begin), part, comparison);
+    begin = end + 1;
+  }
+  if (study.name.empty()) study.name = fs::weakly_canonical(study.folder).filename().string();
+  if (study.metrics.empty()) {
+    for (const char* metric : {"ate_m", "ate_deg", "end_to_end_m"}) {
+      if (study.figure(metric)) study.metrics.emplace_back(metric);
+    }
+  }
+}
+
+/// Folders of single runs: the folder itself, or those in it.
+std::vector<fs::path> run_folders(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder / "summary.json", error)) return {folder};
+  std::set<fs::path> found;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    if (fs::exists(at->path() / "summary.json")) found.insert(at->path());
+  }
+  return {found.begin(), found.end()};
+}
+
+/// Runs that no study has made: each sub-folder is a method on one and the same recording.
+StudyFolder single_runs(const fs::path& folder) {
+  StudyFolder study;
+  study.folder = folder;
+  std::vector<experiment::StudyRow> rows;
+  for (const fs::path& path : run_folders(folder)) {
+    const auto outcome = experiment::read_summary_outcome(path);
+    if (!outcome) continue;
+    rows.push_back(experiment::read_row(path, *outcome));
+    const std::string name = fs::weakly_canonical(path).filename().string();
+    study.runs.push_back({.data = "recording",
+                          .sequence = "recording",
+                          .seed = "",
+                          .order_seed = "0",
+                          .method = name,
+                          .axes = {},
+                          .status = outcome->status,
+                          .reason = outcome->reason,
+                          .figures = {},
+                          .folder = path});
+    for (const auto& figure : rows.back().figures) add_once(study.figures, figure.first);
+  }
+  if (study.runs.empty()) {
+    throw DataError(
+        fmt::format("{}: holds neither results.csv nor a run with summary.json; name the output folder of "
+                    "`aslio experiment` or of `aslio run`",
+                    folder.string()));
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const std::string& name : study.figures) study.runs[i].figures.push_back(rows[i].figure(name));
+  }
+  return study;
+}
+
+}  // namespace
+
+std::optional<std::size_t> StudyFolder::method(std::string_view name) const { return index_of(methods, name); }
+std::optional<std::size_t> StudyFolder::figure(std::string_view name) const { return index_of(figures, name); }
+
+StudyFolder read_study_folder(const fs::path& folder) {
+  const fs::path file = folder / "results.csv";
+  StudyFolder study;
+  study.folder = folder;
+  if (const auto text = read_file(file)) {
+    read_runs(study, file, *text);
+  } else {
+    study = single_runs(folder);
+  }
+  read_texts(study);
+  read_statistics(study);
+  return study;
+}
+
+}  // namespace aslio::report

@@ -1,0 +1,214 @@
+// Medians over replicates, ranks and comparisons.
+#include "aslio/report/table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace aslio::report {
+
+namespace {
+
+constexpr double kFailed = std::numeric_limits<double>::infinity();
+
+enum class Kind : unsigned char { length, share, other };
+
+struct KnownMetric {
+  std::string_view name, title, unit;
+  Kind kind;
+  bool smaller_is_better;
+};
+
+constexpr std::array<KnownMetric, 15> kKnown = {{
+    {"ate_m", "ATE", "m", Kind::length, true},
+    {"ate_deg", "ATE, rotation", "deg", Kind::other, true},
+    {"rpe", "RPE", "m", Kind::length, true},
+    {"rpe_distance_m", "RPE distance", "m", Kind::other, false},
+    {"end_to_end_m", "End to end", "m", Kind::length, true},
+    {"matched", "Matched", "%", Kind::share, false},
+    {"coverage", "Coverage", "%", Kind::share, false},
+    {"updates", "Updates", "", Kind::other, false},
+    {"weak_share", "Weak updates", "% of time", Kind::share, false},
+    {"peak_rss_mb", "Memory", "MB", Kind::other, true},
+    {"path_length_m", "Path", "m", Kind::other, false},
+    {"rate_hz", "Update rate", "Hz", Kind::other, false},
+    {"cpu_s_per_s", "CPU", "s per s of data", Kind::other, true},
+    {"wall_s", "Wall time", "s", Kind::other, true},
+    {"mean_rate_hz", "Mean rate", "Hz", Kind::other, false},
+}};
+
+double median_of(const std::vector<double>& sorted) {
+  const std::size_t half = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+}
+
+/// Figure of a run, infinite for a failure; nothing when a good run has no such figure.
+std::optional<double> value_of(const FolderRun& run, std::size_t figure) {
+  return run.good() ? run.figures[figure] : std::optional(kFailed);
+}
+
+Cell cell_of(const StudyFolder& study, const std::string& sequence, const std::string& method, std::size_t figure) {
+  Cell cell;
+  std::vector<double> values;
+  for (const FolderRun& run : study.runs) {
+    if (run.method != method || run.sequence != sequence) continue;
+    const auto value = value_of(run, figure);
+    if (!value) continue;
+    values.push_back(*value);
+    if (*value == kFailed) ++(run.status == "diverged" ? cell.diverged : cell.failed);
+  }
+  cell.runs = values.size();
+  if (values.empty()) return cell;
+  std::sort(values.begin(), values.end());
+  const double median = median_of(values);
+  const std::size_t good = values.size() - cell.failed - cell.diverged;
+  if (good > 0) {
+    cell.min = values[0];
+    cell.max = values[good - 1];
+  }
+  if (median != kFailed) {
+    cell.mark = Mark::value;
+    cell.median = median;
+  } else {
+    cell.mark = cell.failed == 0 ? Mark::diverged : Mark::failed;
+  }
+  return cell;
+}
+
+/// Best and second among the figures of a line; equal figures share a rank.
+void rank(Line& line) {
+  std::vector<double> values;
+  for (const Cell& cell : line.cells) {
+    if (cell.mark == Mark::value) values.push_back(cell.median);
+  }
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (line.cells.size() < 2) return;
+  for (Cell& cell : line.cells) {
+    if (cell.mark != Mark::value) continue;
+    if (cell.median == values[0]) cell.rank = Rank::best;
+    if (values.size() > 1 && cell.median == values[1]) cell.rank = Rank::second;
+  }
+}
+
+void count(Tally& tally, double value, double baseline) {
+  ++(value < baseline ? tally.won : value > baseline ? tally.lost : tally.tied);
+}
+
+/// The runs of two methods over the same data with the same order seed.
+std::vector<std::pair<double, double>> pairs_of(const StudyFolder& study, std::size_t method, std::size_t other,
+                                                std::size_t figure) {
+  std::vector<std::pair<double, double>> found;
+  for (const FolderRun& a : study.runs) {
+    if (a.method != study.methods[method]) continue;
+    for (const FolderRun& b : study.runs) {
+      if (b.method != study.methods[other] || b.data != a.data || b.order_seed != a.order_seed) continue;
+      const auto x = value_of(a, figure), y = value_of(b, figure);
+      if (x && y) found.emplace_back(*x, *y);
+    }
+  }
+  return found;
+}
+
+/// Median of a / b; pairs that failed on both sides tell nothing.
+std::optional<double> ratio_of(const std::vector<std::pair<double, double>>& pairs) {
+  std::vector<double> ratios;
+  for (const auto& [a, b] : pairs) {
+    if ((a == kFailed && b == kFailed) || !(b > 0)) continue;
+    ratios.push_back(a == kFailed ? kFailed : b == kFailed ? 0 : a / b);
+  }
+  if (ratios.empty()) return std::nullopt;
+  std::sort(ratios.begin(), ratios.end());
+  return median_of(ratios);
+}
+
+/// What statistics.csv adds.
+std::vector<Statistic> statistics_of(const StudyFolder& study, const std::string& metric, const std::string& method) {
+  const auto at = std::find_if(study.statistics.begin(), study.statistics.end(),
+                               [&](const FolderStatistic& s) { return s.metric == metric && s.method == method; });
+  if (at == study.statistics.end()) return {};
+  const auto ratio = [](double v) { return std::isfinite(v) ? fmt::format("{:.3g}", v) : std::string("x"); };
+  const auto p = [](const std::optional<double>& v) {
+    return !v ? std::string() : *v < 0.001 ? std::string("< 0.001") : fmt::format("{:.3f}", *v);
+  };
+  return {{"95 % of ratio", at->low && at->high ? fmt::format("{} to {}", ratio(*at->low), ratio(*at->high)) : ""},
+          {"effect", at->effect ? fmt::format("{:+.2f}", *at->effect) : ""},
+          {"p", p(at->p)},
+          {"p (Holm)", p(at->p_holm)}};
+}
+
+Comparison compare(const StudyFolder& study, const MetricTable& table, std::size_t method, std::size_t figure) {
+  Comparison out{
+      .method = method, .baseline = *study.baseline[method], .sequences = {}, .pairs = {}, .ratio = {}, .more = {}};
+  for (const Line& line : table.lines) {
+    const Cell &a = line.cells[method], &b = line.cells[out.baseline];
+    if (a.mark == Mark::absent || b.mark == Mark::absent) continue;
+    count(out.sequences, a.mark == Mark::value ? a.median : kFailed, b.mark == Mark::value ? b.median : kFailed);
+  }
+  const auto pairs = pairs_of(study, method, out.baseline, figure);
+  for (const auto& [a, b] : pairs) count(out.pairs, a, b);
+  out.ratio = ratio_of(pairs);
+  return out;
+}
+
+Metric describe(const std::string& name, const std::vector<Line>& lines) {
+  std::vector<double> medians;
+  for (const Line& line : lines) {
+    for (const Cell& cell : line.cells) {
+      if (cell.mark == Mark::value) medians.push_back(std::abs(cell.median));
+    }
+  }
+  std::sort(medians.begin(), medians.end());
+  Metric metric{.name = name, .title = name, .unit = "", .smaller_is_better = false};
+  const auto known = std::find_if(kKnown.begin(), kKnown.end(), [&](const KnownMetric& m) { return m.name == name; });
+  if (known != kKnown.end()) {
+    metric.title = known->title;
+    metric.unit = known->unit;
+    metric.smaller_is_better = known->smaller_is_better;
+    if (known->kind == Kind::share) metric.scale = 100;
+    if (known->kind == Kind::length && !medians.empty() && medians.back() < 1) {
+      metric.scale = 100;
+      metric.unit = "cm";
+    }
+  }
+  // Three digits of a typical value, so that the points of a column stand below each other.
+  const double typical = medians.empty() ? 0 : metric.scale * medians[medians.size() / 2];
+  metric.decimals = typical > 0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(typical))), 0, 6) : 3;
+  return metric;
+}
+
+}  // namespace
+
+std::vector<MetricTable> make_tables(const StudyFolder& study, const std::vector<std::string>& metrics) {
+  std::vector<MetricTable> tables;
+  for (const std::string& name : metrics) {
+    const auto figure = study.figure(name);
+    if (!figure) continue;
+    MetricTable table;
+    for (const std::string& sequence : study.sequences) {
+      Line line{.sequence = sequence, .cells = {}};
+      for (const std::string& method : study.methods) line.cells.push_back(cell_of(study, sequence, method, *figure));
+      table.lines.push_back(std::move(line));
+    }
+    table.metric = describe(name, table.lines);
+    if (table.metric.smaller_is_better) {
+      for (Line& line : table.lines) rank(line);
+      for (std::size_t m = 0; m < study.methods.size(); ++m) {
+        if (!study.baseline[m]) continue;
+        table.comparisons.push_back(compare(study, table, m, *figure));
+        table.comparisons.back().more = statistics_of(study, name, study.methods[m]);
+      }
+    }
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+std::string number(const Metric& metric, double value) {
+  return fmt::format("{:.{}f}", metric.scale * value, metric.decimals);
+}
+
+}  // namespace aslio::report

@@ -1,0 +1,161 @@
+// Opens the page of a small study in headless Chromium: reads, sorts, filters, clicks, scrubs, and looks for anything that the
+// page asks of the network or that a hostile name has done. ASLIO_SCREENSHOTS=FOLDER keeps pictures.
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdtempSync, rmSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {pathToFileURL} from 'node:url';
+
+const {ASLIO_PROGRAM, ASLIO_FIXTURE, ASLIO_CHROMIUM, ASLIO_MODULES, ASLIO_SCREENSHOTS} = process.env;
+const puppeteer = createRequire(join(ASLIO_MODULES, 'package.json'))('puppeteer-core');
+const folder = mkdtempSync(join(tmpdir(), 'aslio_report_'));
+const complaints = [], requests = [];
+let browser, page;
+
+before(async () => {
+  execFileSync(ASLIO_FIXTURE, [folder]);
+  execFileSync(ASLIO_PROGRAM, ['report', folder, '--quiet']);
+  browser = await puppeteer.launch({
+    executablePath: ASLIO_CHROMIUM, headless: true,
+    args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-gl=angle', '--use-angle=swiftshader', '--disable-dev-shm-usage'],
+  });
+  page = await browser.newPage();
+  await page.setViewport({width: 1400, height: 900});
+  page.on('console', (message) => ['error', 'warn'].includes(message.type()) && complaints.push(message.text()));
+  page.on('pageerror', (error) => complaints.push(String(error)));
+  page.on('request', (request) => requests.push(request.url()));
+  await page.evaluateOnNewDocument(() => { globalThis.fail = () => { globalThis.hacked = true; }; });
+  await page.goto(pathToFileURL(join(folder, 'report.html')).href);
+  await page.waitForSelector('html[data-ready="true"]');
+  await page.waitForSelector('.timeline .u-over');
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+const texts = (selector) => page.$$eval(selector, (elements) => elements.map((element) => element.textContent));
+const shot = async (name) => ASLIO_SCREENSHOTS && page.screenshot({path: join(ASLIO_SCREENSHOTS, `${name}.png`), fullPage: true});
+
+test('the study stands on top, with its verdict', async () => {
+  const text = await page.$eval('#study', (element) => element.textContent);
+  for (const words of ['fixture', 'Which is better?', 'Lower median.', '1 holds', '1 undecided', '11 of 12']) assert.ok(text.includes(words), words);
+});
+
+test('the table shows medians, marks and ranks', async () => {
+  assert.deepEqual(await texts('.results tbody th'), ['loop', 'turn']);
+  const cells = await texts('.results tbody tr:first-child .value');
+  assert.deepEqual(cells, ['5.50', '2.50', '-']);
+  assert.equal(await page.$eval('.results tbody tr:first-child td:nth-child(3) .value', (e) => getComputedStyle(e).fontWeight), '750');
+  assert.deepEqual(await texts('.results tbody tr:nth-child(2) .value'), ['5.50', '9.50', 'x']);
+});
+
+test('a click on a head sorts, by keyboard too', async () => {
+  await page.click('button[data-sort="1"]');
+  assert.deepEqual(await texts('.results tbody th'), ['loop', 'turn']);
+  await page.focus('button[data-sort="1"]');
+  await page.keyboard.press('Enter');
+  assert.deepEqual(await texts('.results tbody th'), ['turn', 'loop']);
+  assert.equal(await page.$eval('button[data-sort="1"]', (e) => e.closest('th').getAttribute('aria-sort')), 'descending');
+});
+
+test('filters leave what they name', async () => {
+  await page.type('input[type="search"]', 'loo');
+  assert.deepEqual(await texts('.results tbody th'), ['loop']);
+  await page.click('input[type="search"]', {clickCount: 3});
+  await page.keyboard.press('Backspace');
+  await page.click('#results .chip:nth-child(1)');
+  assert.equal((await texts('.results thead th')).length, 3);
+  await page.click('#results .chip:nth-child(1)');
+  assert.equal((await texts('.results thead th')).length, 4);
+});
+
+test('a cell opens its runs, and a run is looked at', async () => {
+  await page.click('.results tbody tr:last-child button[data-cell="1"]');
+  const runs = await texts('.runs tbody th');
+  assert.deepEqual(runs, ['loop_1', 'loop_2']);
+  await page.click('.runs tbody tr:nth-child(2) button');
+  assert.equal(await page.$eval('select[aria-label="recording"]', (e) => e.value), 'loop_2');
+  assert.match(await page.$eval('tr.focus th', (e) => e.textContent), /as_lio/);
+});
+
+test('time is scrubbed in space and in all charts at once', async () => {
+  const canvas = () => page.$eval('.space canvas', (e) => e.toDataURL().length > 2000 && e.toDataURL());
+  const early = async (time) => {
+    await page.$eval('.scrub', (slider, t) => {
+      slider.value = t;
+      slider.dispatchEvent(new Event('input', {bubbles: true}));
+    }, time);
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    return canvas();
+  };
+  const a = await early(10), b = await early(40);
+  assert.ok(a && b && a !== b, 'the view in space has not changed');
+  assert.match(await page.$eval('.clock', (e) => e.textContent), /^40\.0 of 60\.0 s$/);
+  const left = await page.$$eval('.now', (lines) => lines.map((line) => Math.round(parseFloat(line.style.left))));
+  assert.ok(left.length >= 8 && left.every((x) => x === 67), String(left));
+  await page.focus('.space');
+  await page.keyboard.press('ArrowLeft');
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  assert.notEqual(await canvas(), b, 'arrow keys do not turn the view');
+});
+
+test('a zoom of one chart is that of all', async () => {
+  const box = await (await page.$('.timeline .u-over')).boundingBox();
+  await page.mouse.move(box.x + 0.25 * box.width, box.y + 30);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.5 * box.width, box.y + 30, {steps: 4});
+  await page.mouse.up();
+  await page.waitForFunction(() => document.querySelector('.now').hidden);
+  const hidden = await page.$$eval('.now', (lines) => lines.map((line) => line.hidden));
+  assert.ok(hidden.every(Boolean), 't = 40 s lies outside 15 to 30 s');
+  await page.mouse.click(box.x + 10, box.y + 30, {clickCount: 2});
+  await page.waitForFunction(() => !document.querySelector('.now').hidden);
+});
+
+test('charts, configurations and manifest are there', async () => {
+  assert.equal((await page.$$('#charts .chart svg')).length, 3);
+  assert.ok((await page.$$('#charts .chart svg path')).length > 20);
+  const keys = await texts('#configs tbody th');
+  assert.ok(keys.includes('window.type') && keys.includes('window.seg_step') && !keys.includes('map.type'), String(keys));
+  assert.ok((await texts('#manifest tbody th')).includes('build.flags'));
+  assert.ok((await texts('#failures td')).some((text) => text.includes('off by 9 m, </script>')));
+});
+
+test('light and dark, and narrow', async () => {
+  const background = () => page.$eval('body', (e) => getComputedStyle(e).backgroundColor);
+  await page.evaluate(() => scrollTo(0, 0));
+  const light = await background();
+  await shot('light');
+  await page.click('.theme');
+  assert.notEqual(await background(), light);
+  await shot('dark');
+  await page.setViewport({width: 420, height: 900});
+  await page.waitForFunction(() => document.documentElement.scrollWidth <= 420);
+  await shot('narrow');
+});
+
+test('nothing was asked of the network, no error, no name became markup', async () => {
+  assert.deepEqual(requests.filter((url) => !/^(file|data|blob):/.test(url)), []);
+  assert.equal(requests.filter((url) => url.startsWith('file:')).length, 1);
+  assert.deepEqual(complaints, []);
+  assert.equal(await page.evaluate(() => globalThis.hacked), undefined);
+  assert.equal((await page.$$('img')).length, 0);
+  const names = await texts('.results thead th');
+  assert.ok(names.some((name) => name.includes('<img src=x onerror=fail()>&"\'')), String(names));
+});
+
+test('the policy stops what is not part of the page', async () => {
+  const outcome = await page.evaluate(() => new Promise((done) => {
+    addEventListener('securitypolicyviolation', (event) => done(event.violatedDirective));
+    const script = document.createElement('script');
+    try { script.textContent = 'globalThis.hacked = true'; document.head.append(script); } catch { done('trusted types'); }
+    setTimeout(() => done('nothing'), 500);
+  }));
+  assert.notEqual(outcome, 'nothing');
+  assert.equal(await page.evaluate(() => globalThis.hacked), undefined);
+});

@@ -1,0 +1,239 @@
+/// Reading a study back, its tables and its page.
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/core/sha256.hpp"
+#include "aslio/report/page.hpp"
+#include "aslio/report/run_series.hpp"
+#include "aslio/report/table.hpp"
+#include "study_fixture.hpp"
+#include "temporary_folder.hpp"
+
+using namespace aslio::report;
+using namespace aslio::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+struct Fixture {
+  TemporaryFolder folder;
+  Fixture() { write_study(folder.path()); }
+  StudyFolder study() const { return read_study_folder(folder.path()); }
+};
+
+std::string problem(const std::filesystem::path& folder) {
+  try {
+    read_study_folder(folder);
+  } catch (const aslio::DataError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+const Bundle kBundle = {"run();", "p { color: red; }"};
+
+}  // namespace
+
+TEST_CASE("a study is read from what it left") {
+  const Fixture fixture;
+  const StudyFolder study = fixture.study();
+  CHECK(study.name == "fixture");
+  CHECK_THAT(study.question, Contains("Which is better?"));
+  CHECK(study.rule == "Lower median.");
+  CHECK(study.planned == 12);
+  CHECK(study.metrics == std::vector<std::string>{"ate_m", "ate_deg"});
+  CHECK(study.methods == std::vector<std::string>{"fixed_10", "as_lio", kHostile});
+  CHECK(study.sequences == std::vector<std::string>{"loop", "turn"});
+  CHECK(study.baseline[1] == 0);
+  CHECK_FALSE(study.baseline[0].has_value());
+  REQUIRE(study.runs.size() == 11);
+  CHECK(study.runs[1].reason == "few points");
+  CHECK(study.runs[1].figures[0] == 0.02);
+  CHECK_FALSE(study.runs.back().figures[0].has_value());
+  CHECK(study.runs[8].folder == fixture.folder.path() / "runs" / "loop_1" / kHostile);
+}
+
+TEST_CASE("what is no study is refused with its place") {
+  const TemporaryFolder folder;
+  CHECK_THAT(problem(folder.path()), Contains("neither results.csv nor a run"));
+  write_text(folder.path() / "results.csv", "a,b\n1,2\n");
+  CHECK_THAT(problem(folder.path()), Contains("results.csv:1: the columns are not those"));
+  const std::string header = "data,sequence,seed,order_seed,method,status,reason,ate_m\n";
+  write_text(folder.path() / "results.csv", header);
+  CHECK_THAT(problem(folder.path()), Contains("holds no run"));
+  write_text(folder.path() / "results.csv", header + "a,a,1,0,m,ok,,0.1,3\n");
+  CHECK_THAT(problem(folder.path()), Contains("run 1: 9 cells, 8 are due"));
+  write_text(folder.path() / "results.csv", header + "a,a,1,0,m,ok,,fast\n");
+  CHECK_THAT(problem(folder.path()), Contains("'fast' is no number"));
+  write_text(folder.path() / "results.csv", header + "../../etc,a,1,0,m,ok,,1\n");
+  CHECK_THAT(problem(folder.path()), Contains("'../../etc' is no name of a folder"));
+}
+
+TEST_CASE("runs without a study are methods over one recording") {
+  const TemporaryFolder folder;
+  for (const char* method : {"a", "b"}) {
+    std::filesystem::create_directories(folder.path() / method);
+    write_text(folder.path() / method / "summary.json",
+               R"({"status": "ok", "reason": "", "updates": 7, "metrics": {"ate_m": 0.5}, "cpu_s": 2, "data_s": 10})");
+  }
+  const StudyFolder study = read_study_folder(folder.path());
+  CHECK(study.methods == std::vector<std::string>{"a", "b"});
+  CHECK(study.runs[1].figures[*study.figure("ate_m")] == 0.5);
+  CHECK(read_study_folder(folder.path() / "b").methods == std::vector<std::string>{"b"});
+}
+
+TEST_CASE("failures are worse than any figure, and keep apart how they failed") {
+  const Fixture fixture;
+  const auto tables = make_tables(fixture.study(), {"ate_m", "no_such", "cpu_s_per_s"});
+  REQUIRE(tables.size() == 2);
+  const MetricTable& ate = tables[0];
+  CHECK(ate.metric.unit == "cm");
+  CHECK(number(ate.metric, 0.0255) == "2.55");
+  const auto& loop = ate.lines[0].cells;
+  CHECK(loop[1].mark == Mark::value);
+  CHECK(loop[1].median == Approx(0.025));
+  CHECK(loop[1].min == Approx(0.02));
+  CHECK(loop[1].max == Approx(0.03));
+  CHECK(loop[1].rank == Rank::best);
+  CHECK(loop[0].rank == Rank::second);
+  CHECK(loop[2].mark == Mark::diverged);
+  CHECK((loop[2].runs == 2 && loop[2].diverged == 1 && loop[2].failed == 0));
+  CHECK(ate.lines[1].cells[2].mark == Mark::failed);
+  REQUIRE(ate.comparisons.size() == 1);
+  CHECK((ate.comparisons[0].sequences.won == 1 && ate.comparisons[0].sequences.lost == 1));
+  CHECK((ate.comparisons[0].pairs.won == 2 && ate.comparisons[0].pairs.lost == 2));
+  CHECK(*ate.comparisons[0].ratio == Approx(0.5 * (0.5 + 0.1 / 0.06)));
+}
+
+TEST_CASE("comparisons carry the statistics of the study") {
+  const Fixture fixture;
+  const auto tables = make_tables(fixture.study(), {"ate_m", "ate_deg"});
+  const auto& more = tables[0].comparisons[0].more;
+  REQUIRE(more.size() == 4);
+  CHECK((more[0].name == "95 % of ratio" && more[0].text == "0.4 to x"));
+  CHECK((more[1].text == "-0.50" && more[2].text == "< 0.001" && more[3].text == "0.125"));
+  CHECK(tables[1].comparisons[0].more.empty());
+  CHECK_THAT(to_markdown(fixture.study()),
+             Contains("| as_lio | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 | 1.08 | 0.4 to x | -0.50 | &lt; 0.001 | 0.125 |"));
+  CHECK(fixture.study().identical == std::vector<std::string>{"a and b do not differ"});
+}
+
+TEST_CASE("Markdown marks the best, the second and the failures") {
+  const Fixture fixture;
+  const std::string text = to_markdown(fixture.study());
+  INFO(text);
+  CHECK_THAT(text, Contains("## ATE [cm]"));
+  CHECK_THAT(text, Contains("| loop | <u>5.50</u> (5.00-6.00) | **2.50** (2.00-3.00) | - (40.00-40.00) 1- |"));
+  CHECK_THAT(text, Contains("x: total failure") && Contains("-: severe divergence midway"));
+  CHECK_THAT(text, Contains("| loop_2 | &lt;img src=x onerror=fail()&gt;&amp;\"' | diverged |"));
+  CHECK(text.find("<img") == std::string::npos);
+}
+
+TEST_CASE("LaTeX is booktabs with names escaped") {
+  const Fixture fixture;
+  const std::string text = to_latex(fixture.study());
+  INFO(text);
+  CHECK_THAT(
+      text,
+      Contains("\\toprule\nSequence & fixed\\_10 & as\\_lio & <img src=x onerror=fail()>\\&\"' \\\\\n\\midrule\n"));
+  CHECK_THAT(text, Contains("loop & \\underline{5.50} {\\scriptsize(5.00--6.00)} & \\textbf{2.50}"));
+  CHECK_THAT(text, Contains("$\\times$: total failure") && Contains("\\bottomrule"));
+}
+
+TEST_CASE("CSV is a line per run and figure, and no formula") {
+  const Fixture fixture;
+  const std::string text = to_csv(fixture.study());
+  CHECK(text.starts_with(
+      "data,sequence,seed,order_seed,method,status,reason,metric,value\nloop_1,loop,1,0,fixed_10,ok,,ate_m,0.05\n"));
+  CHECK_THAT(text, Contains("crashed,'=cmd(),,\n"));
+  const auto lines = parse_csv(text);
+  CHECK(lines.size() == 1 + 10 * 4 + 1);
+  for (const auto& line : lines) REQUIRE(line.size() == 9);
+}
+
+TEST_CASE("a course is placed in the world of the truth") {
+  const Fixture fixture;
+  const StudyFolder study = fixture.study();
+  const DataTruth truth = read_truth(study, "loop_1");
+  REQUIRE(truth.truth.has_value());
+  const auto series = series_json(study.runs[1], truth);
+  CHECK(series["aligned"] == true);
+  for (const char* name : {"sod", "rate_hz", "gyro_deg_s", "matches", "residual_cm", "weakest", "cpu_ms", "error_cm"}) {
+    CHECK(series["channels"].contains(name));
+  }
+  CHECK(series["stages_ms"]["solve"].get<double>() == Approx(0.5));
+  CHECK(series["weak"].size() == 5);
+  CHECK(data_json(study, "loop_1", truth).contains("overlap"));
+  const auto map = map_json(study.runs[1], truth, 1000);
+  REQUIRE_FALSE(map.is_null());
+  CHECK(map["voxel"].get<double>() > 0.1);
+  CHECK(map_json(study.runs[0], truth, 1000).is_null());
+  CHECK(series_json(study.runs.back(), truth).is_null());
+}
+
+TEST_CASE("telemetry cut short loses its last line only") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "u.csv", "t_ns,status,sod\n100,ok,0.5\n200,ok,\n300,ok,nan\n150,ok,1\n400,o");
+  const auto columns = read_columns(folder.path() / "u.csv");
+  REQUIRE(columns.has_value());
+  CHECK(columns->t == std::vector<aslio::TimeNs>{100, 200, 300});
+  CHECK(columns->numbers.at("sod")[0] == 0.5);
+  CHECK(std::isnan(columns->numbers.at("sod")[1]));
+  CHECK_FALSE(read_columns(folder.path() / "none.csv").has_value());
+}
+
+TEST_CASE("a page holds everything, and nothing hostile outside its data") {
+  const Fixture fixture;
+  const std::string page = make_page(fixture.study(), kBundle);
+  CHECK((page == make_page(fixture.study(), kBundle)));
+  CHECK_THAT(page.substr(0, 900),
+             Contains("default-src 'none'; script-src 'sha256-") && Contains("style-src 'sha256-"));
+  CHECK(page.find("http://") == std::string::npos);
+  CHECK(page.find("https://") == std::string::npos);
+  // One script of data and one that runs: no text has opened or closed another.
+  std::size_t scripts = 0, ends = 0;
+  for (std::size_t at = page.find("<script"); at != std::string::npos; at = page.find("<script", at + 1)) ++scripts;
+  for (std::size_t at = page.find("</script"); at != std::string::npos; at = page.find("</script", at + 1)) ++ends;
+  CHECK((scripts == 2 && ends == 2));
+  CHECK(page.find("<img") == std::string::npos);
+  CHECK(page.find("<!--") == std::string::npos);
+  const std::size_t begin = page.find("id=\"study\">") + 11;
+  const auto json = nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  CHECK(json["runs"].size() == 11);
+  CHECK(json["shown"] == 10);
+  CHECK(json["configs"].size() == 2);
+  CHECK(json["courses"]["loop_1"].contains("map"));
+}
+
+TEST_CASE("a page that is full shows the first recording of every sequence before the second") {
+  const Fixture fixture;
+  const StudyFolder study = fixture.study();
+  const auto all = nlohmann::json::parse([&] {
+    const std::string page = make_page(study, kBundle, {.bytes = 2'150'000, .map_points = 100});
+    const std::size_t begin = page.find("id=\"study\">") + 11;
+    return page.substr(begin, page.find("</script>", begin) - begin);
+  }());
+  const std::size_t shown = all["shown"];
+  INFO(shown);
+  REQUIRE((shown > 1 && shown < 10));
+  CHECK(all["runs"][0].contains("series"));
+  CHECK_FALSE(all["runs"][7].contains("series"));
+}
+
+TEST_CASE("without its script the page tells what to install") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "missing.txt", "npm ci failed\nmore\n");
+  try {
+    read_bundle(folder.path());
+    FAIL("no error");
+  } catch (const aslio::DataError& error) {
+    CHECK_THAT(error.what(),
+               Contains("npm ci failed;") && Contains("apt-get install nodejs npm") && Contains("--format md,tex,csv"));
+  }
+  write_text(folder.path() / "report.js", "'</script>'");
+  write_text(folder.path() / "report.css", "");
+  CHECK_THROWS_AS(read_bundle(folder.path()), aslio::DataError);
+}

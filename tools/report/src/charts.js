@@ -1,0 +1,163 @@
+// Boxes over seeds, ratios to the baseline, cost against accuracy.
+import {BoxplotChart, HeatmapChart, LineChart, ScatterChart} from 'echarts/charts';
+import {GridComponent, MarkLineComponent, TooltipComponent, VisualMapComponent} from 'echarts/components';
+import * as echarts from 'echarts/core';
+import {SVGRenderer} from 'echarts/renderers';
+import {h, section, segmented} from './dom.js';
+import {brief, heading} from './model.js';
+import {heatData} from './heat.js';
+import {colourOf, dark, ink} from './theme.js';
+
+echarts.use([BoxplotChart, HeatmapChart, LineChart, ScatterChart, GridComponent, MarkLineComponent, TooltipComponent, VisualMapComponent, SVGRenderer]);
+
+/** A chart in the place, drawn again when what it shows or its width changes. */
+class Chart {
+  constructor(label, options, height) {
+    this.place = h('div', {class: 'chart', role: 'img', 'aria-label': label});
+    this.options = options;
+    this.height = height;
+    new ResizeObserver(() => this.draw()).observe(this.place);
+  }
+
+  draw() {
+    const width = this.place.clientWidth;
+    if (!width) return;
+    const height = this.height();
+    this.chart ??= echarts.init(this.place, null, {renderer: 'svg', width, height});
+    this.chart.resize({width, height});
+    this.chart.setOption({...base(), ...this.options(width)}, {notMerge: true});
+  }
+}
+
+function base() {
+  return {
+    animation: false, backgroundColor: 'transparent',
+    textStyle: {fontFamily: 'system-ui, sans-serif', color: ink('text')},
+    tooltip: {renderMode: 'richText', confine: true, backgroundColor: ink('card'), borderColor: ink('line'), textStyle: {color: ink('text'), fontSize: 12}},
+  };
+}
+
+function axis(extra) {
+  const line = {lineStyle: {color: ink('line')}};
+  return {
+    axisLine: line, axisTick: line, splitLine: line, minorSplitLine: {show: false},
+    axisLabel: {color: ink('muted'), fontSize: 11, hideOverlap: true}, nameTextStyle: {color: ink('muted'), fontSize: 11}, ...extra,
+  };
+}
+
+const logAxis = (name, extra) => axis({type: 'log', name, axisLabel: {color: ink('muted'), fontSize: 11, formatter: brief, hideOverlap: true}, ...extra});
+
+function quantile(sorted, q) {
+  const at = q * (sorted.length - 1), i = Math.floor(at);
+  return i + 1 < sorted.length ? sorted[i] + (at - i) * (sorted[i + 1] - sorted[i]) : sorted[i];
+}
+
+/** One box per sequence and method, every run a dot. */
+function boxOptions(study, choice) {
+  const table = study.table(choice.get('metric'));
+  const methods = study.methods.map((_, m) => m).filter((m) => !choice.get('hidden').has(m));
+  const logarithmic = choice.get('logBoxes') && table.smaller;
+  const series = [];
+  methods.forEach((m, k) => {
+    const boxes = [], dots = [];
+    study.sequences.forEach((sequence, i) => {
+      const values = study.runsOf(sequence, study.methods[m]).filter((run) => run.good)
+        .map((run) => table.scale * study.figure(run, table.metric)).filter((v) => Number.isFinite(v) && (!logarithmic || v > 0)).sort((a, b) => a - b);
+      boxes.push(values.length ? [0, 0.25, 0.5, 0.75, 1].map((q) => quantile(values, q)) : [NaN, NaN, NaN, NaN, NaN]);
+      for (const v of values) dots.push([i + (k - (methods.length - 1) / 2) * (0.72 / methods.length), v]);
+    });
+    const colour = colourOf(m);
+    series.push({
+      type: 'boxplot', name: study.methods[m], data: boxes, boxWidth: [3, 26],
+      itemStyle: {color: `${colour}33`, borderColor: colour, borderWidth: 1.4},
+      tooltip: {formatter: ({name, seriesName, data}) => `${seriesName}, ${name}\nmedian ${brief(data[3])}\nquartiles ${brief(data[2])} to ${brief(data[4])}\nall ${brief(data[1])} to ${brief(data[5])}`},
+    });
+  });
+  return {
+    grid: {left: 56, right: 12, top: 26, bottom: study.sequences.length > 12 ? 70 : 30},
+    xAxis: axis({type: 'category', data: study.sequences, axisLabel: {color: ink('muted'), fontSize: 11, interval: 0, rotate: study.sequences.length > 12 ? 45 : 0}}),
+    yAxis: logarithmic ? logAxis(heading(table), {}) : axis({type: 'value', name: heading(table)}),
+    series,
+  };
+}
+
+/** Typical cost and error of every method; the line joins those that none beats in both. */
+function frontOptions(study, choice) {
+  const table = study.table(choice.get('metric')), cost = study.table('cpu_s_per_s');
+  const mean = (t, m) => {
+    const values = t.lines.map((line) => line.cells[m].median).filter((v) => v > 0);
+    return values.length ? Math.exp(values.reduce((sum, v) => sum + Math.log(v), 0) / values.length) : null;
+  };
+  const points = study.methods.map((name, m) => ({name, m, failed: table.lines.some((line) => !['value', 'absent'].includes(line.cells[m].mark)),
+    value: [mean(cost, m), table.scale * mean(table, m)]})).filter((p) => !choice.get('hidden').has(p.m) && p.value[0] && p.value[1]);
+  const clouds = points.map(({m}) => ({type: 'scatter', symbolSize: 4, silent: true, itemStyle: {color: colourOf(m), opacity: 0.3},
+    data: study.runs.filter((run) => run.method === study.methods[m] && run.good)
+      .map((run) => [study.figure(run, 'cpu_s_per_s'), table.scale * study.figure(run, table.metric)]).filter(([x, y]) => x > 0 && y > 0)}));
+  const front = [...points].filter((p) => !p.failed).sort((a, b) => a.value[0] - b.value[0] || a.value[1] - b.value[1])
+    .filter((p, i, all) => all.slice(0, i).every((q) => q.value[1] > p.value[1])).map((p) => p.value);
+  return {
+    grid: {left: 60, right: 24, top: 30, bottom: 42},
+    xAxis: logAxis('CPU [s per s of data]', {nameLocation: 'middle', nameGap: 26}),
+    yAxis: logAxis(heading(table), {}),
+    series: [...clouds, {type: 'line', data: front, symbol: 'none', silent: true, step: 'end', lineStyle: {color: ink('muted'), type: 'dashed', width: 1}},
+      {type: 'scatter', data: points.map((p) => ({value: p.value, name: p.name, symbolSize: 13, symbol: p.failed ? 'emptyCircle' : 'circle',
+        itemStyle: {color: colourOf(p.m), borderColor: ink('card'), borderWidth: 1},
+        label: {show: true, formatter: () => p.name, position: 'top', color: ink('text'), fontSize: 11}})),
+      labelLayout: {hideOverlap: false, moveOverlap: 'shiftY'},
+      tooltip: {formatter: ({name, value}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`}}],
+  };
+}
+
+function heatOptions(study, choice) {
+  const table = study.table(choice.get('metric'));
+  const {columns, rows, cells, ratio} = heatData(study, table, choice.get('hidden'));
+  const values = cells.map((cell) => cell.value[2]).filter(Number.isFinite);
+  const reach = ratio ? Math.max(Math.min(Math.max(...values.map(Math.abs), 0.1), 2), 0.1) : null;
+  const colours = ratio ? (dark() ? ['#2f9e74', '#23262d', '#d0653d'] : ['#1b8a5f', '#f7f5f0', '#cf5a2b'])
+    : (dark() ? ['#1c2f4a', '#58aef2'] : ['#eef4fb', '#0b6bb5']);
+  const low = Math.min(...values), high = Math.max(...values);
+  const middle = (low + high) / 2;
+  const label = ({data}) => data.text;
+  return {
+    grid: {left: 8, right: 8, top: 8, bottom: 60, containLabel: true},
+    xAxis: axis({type: 'category', data: columns, splitArea: {show: false}, axisLabel: {color: ink('muted'), fontSize: 11, interval: 0, rotate: columns.join('').length > 60 ? 30 : 0}}),
+    yAxis: axis({type: 'category', data: rows, inverse: true, axisLabel: {color: ink('muted'), fontSize: 11}}),
+    visualMap: {min: ratio ? -reach : low, max: ratio ? reach : Math.max(high, low + 1e-9), calculable: false, orient: 'horizontal', left: 'center', bottom: 0,
+      itemHeight: 120, itemWidth: 10, inRange: {color: colours}, textStyle: {color: ink('muted'), fontSize: 11},
+      text: ratio ? ['worse', 'better'] : [brief(high), brief(low)]},
+    series: [{type: 'heatmap', data: cells.map((cell) => ({...cell, label: {color: labelInk(cell.value[2], ratio, reach, middle)}})),
+      label: {show: true, formatter: label, fontSize: 11}, itemStyle: {borderColor: ink('card'), borderWidth: 2},
+      tooltip: {formatter: ({data}) => data.note}}],
+  };
+}
+
+function labelInk(value, ratio, reach, middle) {
+  const strong = ratio ? Math.abs(value) > 0.55 * reach : value > middle;
+  return strong && !dark() ? '#fff' : ink('text');
+}
+
+export function chartsSection(study, choice) {
+  const table = () => study.table(choice.get('metric'));
+  const boxes = new Chart('Error distribution', () => boxOptions(study, choice), () => 320);
+  const heat = new Chart('Ablation heat map', () => heatOptions(study, choice),
+    () => Math.max(240, 26 * heatData(study, table(), choice.get('hidden')).rows.length + 130));
+  const front = study.figures.includes('cpu_s_per_s') && new Chart('Cost against accuracy', () => frontOptions(study, choice), () => 340);
+  const charts = [boxes, heat, front].filter(Boolean);
+  const titles = h('span');
+  const draw = () => {
+    titles.textContent = heading(table());
+    heatCard.hidden = !table().smaller;
+    if (frontCard) frontCard.hidden = !table().smaller || table().metric === 'cpu_s_per_s';
+    for (const chart of charts) chart.draw();
+  };
+  const heatCard = h('div', {class: 'card'}, h('h3', null, study.axes.length ? 'Over the axes of the study' : 'Ratio to the baseline'),
+    h('p', {class: 'note'}, heatData(study, table(), new Set()).words), heat.place);
+  const frontCard = front && h('div', {class: 'card'}, h('h3', null, 'Cost against accuracy'),
+    h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs; hollow: some sequence failed. The dashed line is the front.'), front.place);
+  choice.on(['metric', 'hidden', 'theme', 'logBoxes'], draw);
+  queueMicrotask(draw);
+  return section('charts', 'Distribution, ablation, cost', 'Of the figure chosen above: ', titles,
+    h('div', {class: 'card'}, h('div', {class: 'tools'}, h('h3', null, 'Over the seeds'), h('span', {class: 'push'}),
+      segmented('scale', [[false, 'linear'], [true, 'logarithmic']], choice.get('logBoxes'), (logBoxes) => choice.set({logBoxes}))), boxes.place),
+    h('div', {class: 'pair'}, heatCard, frontCard));
+}

@@ -1,0 +1,108 @@
+// The study as the page holds it, and what is chosen to be seen.
+import {channelOf, cloudOf, pathOf} from './decode.js';
+
+export class Study {
+  constructor(json) {
+    Object.assign(this, json);
+    this.runs.forEach((run, index) => {
+      run.index = index;
+      run.good = run.status === 'ok' || run.status === 'degraded';
+    });
+    this.decoded = new Map();
+  }
+
+  table(metric) {
+    return this.tables.find((table) => table.metric === metric) ?? this.tables[0];
+  }
+
+  runsOf(sequence, method) {
+    return this.runs.filter((run) => run.sequence === sequence && run.method === method);
+  }
+
+  /** Groups of runs over the same recording with the same order seed, in the order of the study. */
+  get recordings() {
+    if (!this.groups) {
+      const groups = new Map();
+      for (const run of this.runs) {
+        const key = run.order === '0' || run.order === '' ? run.data : `${run.data}, order ${run.order}`;
+        if (!groups.has(key)) groups.set(key, {key, data: run.data, sequence: run.sequence, runs: []});
+        groups.get(key).runs.push(run);
+      }
+      this.groups = [...groups.values()];
+    }
+    return this.groups;
+  }
+
+  figure(run, name) {
+    const index = this.figures.indexOf(name);
+    return index < 0 ? null : run.figures[index];
+  }
+
+  /** The course of a run, decoded when first looked at. */
+  course(run) {
+    if (!run.series) return null;
+    if (!this.decoded.has(run)) {
+      const channels = {};
+      for (const [name, packed] of Object.entries(run.series.channels)) channels[name] = channelOf(packed);
+      this.decoded.set(run, {
+        channels, path: pathOf(run.series.path), weak: run.series.weak ?? [], stages: run.series.stages_ms ?? null,
+        aligned: run.series.aligned,
+      });
+    }
+    return this.decoded.get(run);
+  }
+
+  recording(name) {
+    const packed = Object.hasOwn(this.courses, name) ? this.courses[name] : null;
+    if (!packed) return {};
+    const key = `recording ${name}`;
+    if (!this.decoded.has(key)) {
+      this.decoded.set(key, {
+        truth: pathOf(packed.truth), overlap: channelOf(packed.overlap),
+        map: packed.map && {...cloudOf(packed.map), method: packed.map.method, voxel: packed.map.voxel},
+      });
+    }
+    return this.decoded.get(key);
+  }
+
+}
+
+/** What is chosen; sections listen. */
+export class Choice {
+  constructor(values) {
+    this.values = values;
+    this.listeners = [];
+  }
+
+  get(name) {
+    return this.values[name];
+  }
+
+  set(changes) {
+    const changed = Object.keys(changes).filter((name) => this.values[name] !== changes[name]);
+    if (!changed.length) return;
+    Object.assign(this.values, changes);
+    for (const {names, listener} of this.listeners) if (names.some((name) => changed.includes(name))) listener();
+  }
+
+  on(names, listener) {
+    this.listeners.push({names, listener});
+  }
+}
+
+/** A number with three digits that count. */
+export function brief(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '';
+  const size = Math.abs(value);
+  if (size === 0) return '0';
+  if (size >= 1000) return value.toFixed(0);
+  return value.toPrecision(3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
+}
+
+export function shown(table, value) {
+  return value === null || value === undefined ? '' : (table.scale * value).toFixed(table.decimals);
+}
+
+export function heading(table) {
+  return table.unit ? `${table.title} [${table.unit}]` : table.title;
+}

@@ -1,0 +1,102 @@
+// What the study asks, and how the methods stand, in one look.
+import {h, section} from './dom.js';
+import {markdown} from './markdown.js';
+import {brief, heading} from './model.js';
+import {colourOf} from './theme.js';
+
+function questionCards(study) {
+  const card = (title, text, kind) => text && h('div', {class: `card ${kind}`}, h('h3', null, title), h('p', null, text));
+  const cards = [card('Question', study.question, 'question'), card('Prediction', study.prediction, ''), card('Rule', study.rule, '')];
+  return cards.some(Boolean) && h('div', {class: 'cards'}, cards);
+}
+
+function verdictCard(study) {
+  if (!study.verdict) return null;
+  const words = [...study.verdict.matchAll(/\*\*(holds|does not hold|undecided)(?: so far)?\*\*/g)].map((match) => match[1]);
+  const count = (word) => words.filter((w) => w === word).length;
+  const badges = [['holds', 'good'], ['does not hold', 'bad'], ['undecided', 'open']].filter(([word]) => count(word))
+    .map(([word, kind]) => h('span', {class: `badge ${kind}`}, `${count(word)} ${word}`));
+  return h('details', {class: 'card verdict', open: study.verdict.length < 3000},
+    h('summary', null, h('strong', null, 'Verdict'), ' ', badges), h('div', {class: 'prose'}, markdown(study.verdict)));
+}
+
+/** Per method: how often best, the typical ratio to the baseline, what failed, what it costs. */
+function standing(study, metric) {
+  const table = study.table(metric);
+  const cpu = study.table('cpu_s_per_s');
+  return study.methods.map((name, m) => {
+    const cells = table.lines.map((line) => line.cells[m]);
+    const runs = study.runs.filter((run) => run.method === name);
+    const comparison = table.comparisons.find((c) => c.method === m);
+    const costs = cpu && cpu.metric === 'cpu_s_per_s' ? cpu.lines.map((line) => line.cells[m].median).filter(Number.isFinite) : [];
+    costs.sort((a, b) => a - b);
+    return {
+      name, m, comparison,
+      best: cells.filter((cell) => cell.rank === 1).length,
+      second: cells.filter((cell) => cell.rank === 2).length,
+      bad: runs.filter((run) => !run.good).length, runs: runs.length,
+      cost: costs.length ? costs[Math.floor(costs.length / 2)] : null,
+      baseline: study.baselines.includes(m),
+      only: cells.length === 1 ? cells[0] : null,
+    };
+  });
+}
+
+function winsBar(line, sequences) {
+  const width = (count) => ({width: `${(100 * count) / Math.max(sequences, 1)}%`});
+  return h('div', {class: 'wins', title: `best on ${line.best}, second on ${line.second} of ${sequences} sequences`},
+    h('span', {class: 'first', style: width(line.best)}), h('span', {class: 'second', style: width(line.second)}));
+}
+
+const ratioText = (ratio) => (ratio === undefined || ratio === null ? '' : ratio === 'x' ? 'x' : brief(ratio));
+
+function standingTable(study, metric) {
+  const table = study.table(metric);
+  const lines = standing(study, metric);
+  const anyRatio = lines.some((line) => line.comparison);
+  const head = ['Method', table.smaller ? `Best, second of ${study.sequences.length}` : null,
+    anyRatio ? 'Ratio to baseline' : null, anyRatio ? 'Pairs won / lost' : null, 'CPU per s of data', 'Failed'];
+  return h('div', {class: 'scroll'}, h('table', {class: 'plain standing'},
+    h('thead', null, h('tr', null, head.filter(Boolean).map((text) => h('th', {scope: 'col'}, text)))),
+    h('tbody', null, lines.map((line) => h('tr', null,
+      h('th', {scope: 'row'}, h('span', {class: 'swatch', style: {'--c': colourOf(line.m)}, 'data-method': line.m}), line.name,
+        line.baseline && h('span', {class: 'tag'}, 'baseline')),
+      table.smaller && h('td', null, winsBar(line, study.sequences.length), h('span', {class: 'count'}, `${line.best}, ${line.second}`)),
+      anyRatio && h('td', {class: ratioClass(line.comparison)}, line.comparison ? ratioText(line.comparison.ratio) : ''),
+      anyRatio && h('td', null, line.comparison ? `${line.comparison.pairs[0]} / ${line.comparison.pairs[1]}` : ''),
+      h('td', null, line.cost === null ? '' : `${brief(line.cost)} s`),
+      h('td', {class: line.bad ? 'bad' : ''}, line.bad ? `${line.bad} of ${line.runs}` : '0'))))));
+}
+
+function ratioClass(comparison) {
+  if (!comparison || typeof comparison.ratio !== 'number') return '';
+  return comparison.ratio < 1 ? 'better' : comparison.ratio > 1 ? 'worse' : '';
+}
+
+function tiles(study) {
+  const bad = study.runs.filter((run) => !run.good);
+  const degraded = study.runs.filter((run) => run.status === 'degraded').length;
+  const tile = (value, text, kind = '') => h('div', {class: `tile ${kind}`}, h('strong', null, value), h('span', null, text));
+  const seeds = new Set(study.runs.map((run) => run.seed).filter(Boolean)).size;
+  const hours = study.runs.reduce((sum, run) => sum + (study.figure(run, 'path_length_m') ?? 0), 0) / 1000;
+  return h('div', {class: 'tiles'},
+    tile(`${study.runs.length}${study.planned > study.runs.length ? ` of ${study.planned}` : ''}`, 'runs', study.planned > study.runs.length ? 'open' : ''),
+    tile(String(study.sequences.length), study.sequences.length === 1 ? 'sequence' : 'sequences'),
+    seeds > 0 && tile(String(seeds), seeds === 1 ? 'seed' : 'seeds'),
+    tile(String(study.methods.length), study.methods.length === 1 ? 'method' : 'methods'),
+    hours > 0 && tile(hours.toFixed(1), 'km travelled'),
+    tile(String(bad.length), 'failed or diverged', bad.length ? 'bad' : 'good'),
+    degraded > 0 && tile(String(degraded), 'degraded'));
+}
+
+export function summarySection(study, choice) {
+  const place = h('div');
+  const draw = () => {
+    const table = study.table(choice.get('metric'));
+    place.replaceChildren(h('h3', null, `Standing by ${heading(table)}`), standingTable(study, choice.get('metric')));
+  };
+  choice.on(['metric', 'theme'], draw);
+  draw();
+  return section('study', study.name, null, questionCards(study), verdictCard(study), tiles(study), place);
+}
+

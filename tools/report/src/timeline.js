@@ -1,0 +1,129 @@
+// Everything over one time axis: the same cursor and the same zoom for all charts.
+import uPlot from 'uplot';
+import {h} from './dom.js';
+import {brief} from './model.js';
+import {ink} from './theme.js';
+
+export const CHANNELS = [
+  ['sod', 'Overlap degree', ''],
+  ['rate_hz', 'Update rate', 'Hz'],
+  ['gyro_deg_s', 'Turn rate', 'deg/s'],
+  ['error_cm', 'Position error', 'cm'],
+  ['matches', 'Matches', ''],
+  ['residual_cm', 'Residual RMS', 'cm'],
+  ['weakest', 'Weakest direction', '1/m\u00b2'],
+  ['iterations', 'Iterations', ''],
+  ['cpu_ms', 'CPU per update', 'ms'],
+];
+const STEPS = new Set(['rate_hz', 'iterations']);
+const LOGARITHMIC = new Set(['weakest']);
+const AXIS = 52;
+
+export class Timeline {
+  constructor(choice) {
+    this.choice = choice;
+    this.element = h('div', {class: 'timeline'});
+    this.plots = [];
+    this.range = null;
+    new ResizeObserver(() => this.resize()).observe(this.element);
+  }
+
+  /** lines: by channel, [{name, colour, channel, dash}]; range: [begin, end]. */
+  show(lines, range) {
+    for (const plot of this.plots) plot.destroy();
+    this.plots = [];
+    this.full = range;
+    this.range ??= range;
+    const present = CHANNELS.filter(([name]) => lines[name]?.length);
+    this.element.replaceChildren(...present.map(([name, title, unit], index) => {
+      const readings = h('span', {class: 'readings'});
+      const place = h('div', {class: 'plot'});
+      const head = h('div', {class: 'plot-head'}, h('strong', null, title), unit && h('span', {class: 'unit'}, ` ${unit}`), readings);
+      queueMicrotask(() => this.plot(place, readings, name, lines[name], index === present.length - 1));
+      return h('figure', {'aria-label': title}, head, place);
+    }));
+    if (!present.length) this.element.append(h('p', {class: 'note'}, 'No run of this recording has left a course.'));
+  }
+
+  plot(place, readings, name, lines, last) {
+    const joined = uPlot.join(lines.map((line) => [line.channel.t, line.channel.v]));
+    const logarithmic = LOGARITHMIC.has(name) && joined.slice(1).flat().some((v) => v > 0);
+    const series = lines.map((line) => ({
+      label: line.name, stroke: line.colour, width: line.dash ? 1 : 1.3, spanGaps: true, points: {show: false}, dash: line.dash,
+      paths: STEPS.has(name) ? uPlot.paths.stepped({align: -1}) : undefined,
+    }));
+    const grid = {stroke: ink('line'), width: 1};
+    const text = {stroke: ink('muted'), font: '11px system-ui, sans-serif', ticks: {stroke: ink('line'), size: 4}};
+    const plot = new uPlot({
+      width: this.width(), height: last ? 118 : 92, padding: [6, 10, last ? 0 : 4, 0], legend: {show: false},
+      cursor: {sync: {key: 'aslio'}, drag: {x: true, y: false}, points: {size: 6}, y: false},
+      scales: {x: {time: false, min: this.range[0], max: this.range[1]}, y: {distr: logarithmic ? 3 : 1}},
+      axes: [{...text, grid, show: true, size: last ? 26 : 0, values: last ? (_, v) => v.map((t) => `${brief(t)}${t ? '' : ' s'}`) : () => []},
+        {...text, grid, size: AXIS, space: 24, values: (_, v) => v.map((y) => (y === null ? '' : brief(y)))}],
+      series: [{}, ...series],
+      hooks: {
+        setCursor: [(u) => this.read(u, readings)],
+        setScale: [(u, key) => key === 'x' && this.zoom(u)],
+      },
+    }, joined.map((values, i) => (i && logarithmic ? values.map((v) => (v > 0 ? v : null)) : values)), place);
+    plot.over.addEventListener('click', () => this.choice.set({time: plot.posToVal(plot.cursor.left, 'x')}));
+    plot.over.addEventListener('dblclick', () => this.reset());
+    const cursor = h('div', {class: 'now'});
+    plot.over.append(cursor);
+    plot.now = cursor;
+    plot.lines = lines;
+    this.plots.push(plot);
+    this.place(plot);
+  }
+
+  /** Values under the cursor beside the title. */
+  read(plot, readings) {
+    const {idx} = plot.cursor;
+    if (idx === null || idx === undefined) {
+      readings.replaceChildren();
+      return;
+    }
+    readings.replaceChildren(h('span', {class: 'unit'}, `${brief(plot.data[0][idx])} s`), ...plot.lines.map((line, i) => {
+      const values = plot.data[i + 1];
+      let at = idx;
+      while (at > 0 && (values[at] === null || values[at] === undefined)) at--;
+      return h('span', {style: {color: line.colour}}, brief(values[at] ?? null));
+    }));
+  }
+
+  zoom(plot) {
+    const {min, max} = plot.scales.x;
+    if (this.zooming || min === null || min === undefined) return;
+    if (this.range[0] === min && this.range[1] === max) return;
+    this.zooming = true;
+    this.range = [min, max];
+    for (const other of this.plots) if (other !== plot) other.setScale('x', {min, max});
+    this.zooming = false;
+    for (const each of this.plots) this.place(each);
+  }
+
+  reset() {
+    this.range = this.full;
+    for (const plot of this.plots) plot.setScale('x', {min: this.full[0], max: this.full[1]});
+  }
+
+  seek() {
+    for (const plot of this.plots) this.place(plot);
+  }
+
+  /** The line of the chosen time. */
+  place(plot) {
+    const time = this.choice.get('time'), [low, high] = this.range;
+    plot.now.hidden = !(time >= low && time <= high);
+    plot.now.style.left = `${(100 * (time - low)) / (high - low)}%`;
+  }
+
+  width() {
+    return Math.max(this.element.clientWidth, 200);
+  }
+
+  resize() {
+    const width = this.width();
+    for (const plot of this.plots) if (plot.width !== width) plot.setSize({width, height: plot.height});
+  }
+}
