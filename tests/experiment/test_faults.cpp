@@ -32,7 +32,7 @@ TEST_CASE("a method that does not finish is a row with its reason, and the study
   write_text(folder / "study.yaml",
              head() + quickstart() + faulty("crash") + faulty("memory") +
                  method("blind", "fixed_window", "set: {samplers: [{type: range, min: 400, max: 410}]}") +
-                 method("lost", "fixed_window", "set: {window: {type: replay, file: no_such_file.csv}}") +
+                 method("lost", "fixed_window", "set: {window: {type: replay, file: '{data}/no_such_file.csv'}}") +
                  method("good", "fixed_window") + "metrics: [ate_m]\nmemory_limit: 1000\n");
   const Ended ended = run_aslio(arguments(folder));
   INFO(ended.err);

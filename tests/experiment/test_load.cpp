@@ -188,3 +188,52 @@ TEST_CASE("a placeholder names a method that stands before it") {
   CHECK_THAT(files.complaint(head() + kData + "methods:\n" + replay + method("as_lio", "as_lio")),
              Contains("study.yaml:7:") && Contains("{run:as_lio}: no method of that name stands before 'shifted'"));
 }
+
+TEST_CASE("an axis is a path with values, paths in step, or a list of named points") {
+  const StudyFiles files;
+  const Study study = files.load(head() + kData + "methods:\n" + method("fixed", "fixed_window") +
+                                 "vary:\n"
+                                 "  - {path: window.period, values: [0.1, 0.05]}\n"
+                                 "  - {zip: {map.voxel: [0.5, 1], overlap.voxel: [0.1, 0.2]}}\n"
+                                 "  - {list: [{name: plain, set: {estimator.noise: physical}},\n"
+                                 "            {name: short, set: {window.period: 0.02, estimator.noise: fastlio}}],\n"
+                                 "     name: kind}\n");
+  CHECK(study.axes == std::vector<std::string>{"window.period", "map.voxel", "overlap.voxel", "kind"});
+  REQUIRE(study.methods.size() == 8);
+  CHECK(study.methods[0].name == "fixed_period_0.1_voxel_0.5_voxel_0.1_plain");
+  CHECK(study.methods[7].axes == std::vector<std::string>{"0.05", "1", "0.2", "short"});
+  CHECK(study.methods[7].set == std::vector<std::string>{"window.period=0.05", "map.voxel=1", "overlap.voxel=0.2",
+                                                         "window.period=0.02", "estimator.noise=fastlio"});
+  const std::string one = head() + kData + "methods:\n" + method("fixed", "fixed_window");
+  for (const char* wrong :
+       {"vary: [{zip: {map.voxel: [0.5, 1], overlap.voxel: [0.1]}}]\n", "vary: [{zip: {map.voxel: 1}}]\n",
+        "vary: [{list: [{name: a}]}]\n", "vary: [{list: [{name: a/b, set: {map.voxel: 1}}]}]\n", "vary: [{}]\n",
+        "vary: [{path: map.voxel, values: [1], zip: {map.voxel: [1]}}]\n", "vary: [{list: [], name: a}]\n"}) {
+    INFO(wrong);
+    CHECK_THAT(files.complaint(one + wrong), Contains("study.yaml:8:"));
+  }
+}
+
+TEST_CASE("a comparison may differ in what the study names, and in nothing else") {
+  const StudyFiles files;
+  const std::string fixed = head() + kData + "baseline: fixed\nmethods:\n" + method("fixed", "fixed_window");
+  // By `set`, of the same pipeline: named by itself.
+  CHECK(files.load(fixed + method("slow", "fixed_window", "set: {window.period: 0.2}")).warnings.empty());
+  // By another pipeline file: told, with the line that says it.
+  const Study study = files.load(fixed + method("other", "as_lio"));
+  REQUIRE(study.warnings.size() == 1);
+  CHECK_THAT(study.warnings[0],
+             Contains("other is compared with fixed") && Contains("differs: [") && Contains("window"));
+  // Stated, but not all of it.
+  const std::string complaint = files.complaint(fixed + method("other", "as_lio", "differs: [window]"));
+  INFO(complaint);
+  CHECK_THAT(complaint, Contains("study.yaml:9:") && Contains("'other' differs from the baseline 'fixed'") &&
+                            Contains("history") && Contains("or add them to `differs`") && !Contains("window"));
+  // Stated in full.
+  const auto keys = unnamed_keys(study.methods[1], study.methods[0]);
+  std::string all;
+  for (const std::string& key : keys) all += (all.empty() ? "" : ", ") + key;
+  const Study stated = files.load(fixed + method("other", "as_lio", "differs: [" + all + "]"));
+  CHECK(stated.warnings.empty());
+  CHECK(unnamed_keys(stated.methods[1], stated.methods[0]).empty());
+}

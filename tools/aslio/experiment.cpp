@@ -6,6 +6,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/study_run.hpp"
+#include "aslio/experiment/study_statistics.hpp"
 #include "aslio/simulator/scene.hpp"
 #include "command.hpp"
 #include "console.hpp"
@@ -75,12 +76,15 @@ void print_plan(const experiment::Study& study, const experiment::StudyOptions& 
   print(fmt::format("{} runs to do, {} finished\n", open, finished));
 }
 
-int report(const experiment::StudyResult& result, const Arguments& a) {
+int report(const experiment::Study& study, const experiment::StudyResult& result, const Arguments& a) {
   if (result.interrupted) {
     complain(fmt::format("interrupted: the same command goes on where {} stops", a.output));
     return kInterrupted;
   }
   const std::size_t failures = result.failures();
+  for (const auto& same : experiment::identical_methods(study, result.runs, result.rows)) {
+    tell("warning: " + experiment::identical_text(study, same));
+  }
   const bool tables = a.recording.empty();
   if (!a.quiet && tables)
     print(fmt::format("output       {}: results.csv, statistics.csv, table.md, runs, data\n", a.output));
@@ -115,12 +119,13 @@ int run_experiment(const Arguments& a) {
   for (const std::string& plugin : a.plugins) {
     options.run_options.insert(options.run_options.end(), {"--plugin", plugin});
   }
+  for (const std::string& warning : study.warnings) tell("warning: " + warning);
   if (a.dry_run) {
     print_plan(study, options);
     return kSuccess;
   }
   Monitor monitor(a.quiet);
-  return report(experiment::run_study(study, options, monitor), a);
+  return report(study, experiment::run_study(study, options, monitor), a);
 }
 
 void add_options(CLI::App& app, Arguments& a) {

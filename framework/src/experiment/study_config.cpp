@@ -80,18 +80,12 @@ void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
   b.tree("set", method.set,
          "dotted paths with the values to set there; {run:NAME} in a text is the folder of that method's run over the "
          "same data, {data} the folder in the output where truth and overlap of simulated data stay");
+  b.texts("differs", method.differs, {},
+          "keys or blocks in which the method may differ from the baseline, besides those of `set`; nothing else may");
   b.require(!method.name.empty(), "name", "is required");
   b.require(!method.pipeline.empty(), "pipeline", "is required: name a pipeline file");
   b.require(method.set.is_null() || method.set.is_map(), "set",
             "must be a block of dotted paths and values, as in {window.period: 0.05}");
-}
-
-void StudyAxisConfig::describe(config::Binder& b, StudyAxisConfig& axis) {
-  b.text("path", axis.path, "dotted path of the pipelines, required");
-  b.tree("values", axis.values, "list of values to set there, required");
-  b.require(!axis.path.empty(), "path", "is required, as in overlap.voxel");
-  b.require(axis.values.is_list() && !axis.values.items().empty(), "values",
-            "must be a list of values, as in [0.1, 0.2]");
 }
 
 void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
@@ -101,7 +95,7 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.text("rule", study.rule, "what outcome decides it, and how; required");
   b.groups("datasets", study.datasets, "the data, one table row per entry; required");
   b.groups("methods", study.methods, "the pipelines, one table column each; required");
-  b.groups("vary", study.vary, "axes: every method is run at every combination of their values");
+  b.groups("vary", study.vary, "axes: every method is run at every combination of their points");
   b.reals("order_seeds", study.order_seeds, 0, "", {.min = 0.0, .max = kMostSeed},
           "seeds of `aslio run`: replicates over the same data");
   b.text("baseline", study.baseline, "method to compare the others with; empty: none");

@@ -14,6 +14,7 @@
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/study.hpp"
 #include "aslio/pipeline/stage_set.hpp"
+#include "study_axes.hpp"
 
 namespace aslio::experiment {
 
@@ -24,35 +25,6 @@ using config::Location;
 using config::Node;
 
 constexpr std::size_t kMostMethods = 10'000;
-
-bool name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
-         c == '+' || c == '-';
-}
-
-/// Usable as the name of a folder, and plain in tables.
-bool valid_name(const std::string& name) {
-  return !name.empty() && name.size() <= 120 && name.front() != '.' && name.front() != '-' &&
-         std::all_of(name.begin(), name.end(), name_character);
-}
-
-constexpr std::string_view kNameRule =
-    "is no name: use letters, digits, '_', '.', '+' and '-', without '.' or '-' in front";
-
-/// A value as part of a name: what a name may not have becomes '_'.
-std::string label(const Node& value) {
-  const std::string text = value.is_scalar() ? value.text() : config::to_line(value);
-  std::string out;
-  for (const char c : text) {
-    if (name_character(c)) {
-      out += c;
-    } else if (!out.empty() && out.back() != '_') {
-      out += '_';
-    }
-  }
-  while (out.ends_with('_')) out.pop_back();
-  return out;
-}
 
 /// Size and time of change: bags are too large to be read for every look at a study.
 std::string file_identity(const fs::path& path) {
@@ -105,7 +77,7 @@ class Reader {
         }).resolved;
     root_ = config::parse_document(text, study_.path.string());
     for (const double seed : study_.config.order_seeds) study_.order_seeds.push_back(static_cast<std::uint64_t>(seed));
-    for (const StudyAxisConfig& axis : study_.config.vary) study_.axes.push_back(axis.path);
+    lay_out_axes();
     for (std::size_t i = 0; i < study_.config.datasets.size(); ++i) add_data(study_.config.datasets[i], i);
     require_distinct_data();
     lay_out_methods();
@@ -200,6 +172,13 @@ class Reader {
     }
   }
 
+  void lay_out_axes() {
+    for (const StudyAxisConfig& axis : study_.config.vary) {
+      points_.push_back(axis_points(axis));
+      for (const std::string& column : axis_columns(axis)) study_.axes.push_back(column);
+    }
+  }
+
   void lay_out_methods() {
     for (std::size_t i = 0; i < study_.config.methods.size(); ++i) {
       const StudyMethodConfig& config = study_.config.methods[i];
@@ -218,7 +197,7 @@ class Reader {
   /// The next combination, the last axis fastest; false behind the last one.
   bool advance(std::vector<std::size_t>& at_axes) const {
     for (std::size_t k = at_axes.size(); k-- > 0;) {
-      if (++at_axes[k] < study_.config.vary[k].values.items().size()) return true;
+      if (++at_axes[k] < points_[k].size()) return true;
       at_axes[k] = 0;
     }
     return false;
@@ -228,16 +207,16 @@ class Reader {
     StudyMethod method;
     method.name = method.base = config.name;
     method.pipeline = at(config.pipeline);
+    method.differs = config.differs;
+    method.entry = index;
     for (const config::Member& member : config.set.members()) {
       method.set.push_back(member.key + "=" + config::to_line(member.value));
     }
     for (std::size_t k = 0; k < at_axes.size(); ++k) {
-      const StudyAxisConfig& axis = study_.config.vary[k];
-      const Node& value = axis.values.items()[at_axes[k]];
-      const std::string text = label(value);
-      method.set.push_back(axis.path + "=" + config::to_line(value));
-      method.axes.push_back(text);
-      method.name += fmt::format("_{}_{}", axis.path.substr(axis.path.rfind('.') + 1), text);
+      const AxisPoint& point = points_[k][at_axes[k]];
+      method.set.insert(method.set.end(), point.assignments.begin(), point.assignments.end());
+      method.axes.insert(method.axes.end(), point.values.begin(), point.values.end());
+      method.name += point.suffix;
     }
     if (study_.methods.size() >= kMostMethods) {
       problems_.add(place("vary", 0, "values"), fmt::format("more than {} methods in the grid", kMostMethods));
@@ -325,11 +304,32 @@ class Reader {
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       const auto base = find_variant(name, study_.methods[i].axes);
       any = any || base;
-      if (base && *base != i) study_.baseline[i] = base;
+      if (!base || *base == i) continue;
+      study_.baseline[i] = base;
+      require_named_differences(study_.methods[i], study_.methods[*base]);
     }
     if (any) return;
     problems_.add(root_.find("baseline")->value.at(),
                   fmt::format("'baseline' names no method: '{}'; there are: {}", name, names_so_far()));
+  }
+
+  /// A comparison is fair where the study says what is compared. A method from another pipeline file without `differs`
+  /// is told, since the file names it; with `differs`, or from the same file, nothing else may differ.
+  void require_named_differences(const StudyMethod& method, const StudyMethod& baseline) {
+    const std::vector<std::string> unnamed = unnamed_keys(method, baseline);
+    if (unnamed.empty()) return;
+    const std::string keys = fmt::format("{}", fmt::join(unnamed, ", "));
+    if (method.differs.empty() && method.pipeline != baseline.pipeline) {
+      study_.warnings.push_back(
+          fmt::format("{} is compared with {}, and the study does not say what they differ in: differs: [{}]",
+                      method.name, baseline.name, keys));
+      return;
+    }
+    problems_.add(
+        place("methods", method.entry, "differs"),
+        fmt::format("'{}' differs from the baseline '{}' in what the study does not name: {}; set them alike, "
+                    "or add them to `differs`",
+                    method.name, baseline.name, keys));
   }
 
   const config::StageLookup& stages_;
@@ -337,6 +337,7 @@ class Reader {
   fs::path folder_;
   Study study_;
   Node root_;
+  std::vector<std::vector<AxisPoint>> points_;  ///< by axis
   config::Problems problems_;
   std::vector<std::size_t> data_entries_;  // by data: index in `datasets`
 };

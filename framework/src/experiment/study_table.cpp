@@ -33,7 +33,7 @@ class Tables {
       text += metric_table(metric);
       text += comparison(metric);
     }
-    return text + identical() + failures();
+    return text + differences() + identical() + failures();
   }
 
  private:
@@ -104,6 +104,20 @@ class Tables {
         "| method | baseline | sequences | pairs | ratio | effect | p | p (Holm) "
         "|\n|---|---|---|---|---|---|---|---|\n{}",
         text);
+  }
+
+  /// A comparison is worth what its two sides have in common.
+  std::string differences() const {
+    std::string text;
+    for (std::size_t m = 0; m < study_.methods.size(); ++m) {
+      if (!study_.baseline[m]) continue;
+      const StudyMethod& baseline = study_.methods[*study_.baseline[m]];
+      const auto keys = differing_keys(study_.methods[m], baseline);
+      text += fmt::format("| {} | {} | {} |\n", study_.methods[m].name, baseline.name,
+                          keys.empty() ? "nothing" : fmt::format("{}", fmt::join(keys, ", ")));
+    }
+    if (text.empty()) return text;
+    return "\n## What is compared\n\n| method | baseline | differs in |\n|---|---|---|\n" + text;
   }
 
   std::string identical() const {

@@ -31,14 +31,18 @@ struct StudyDataConfig {
 /// One entry of `methods`.
 struct StudyMethodConfig {
   std::string name, pipeline;
-  config::Node set;  ///< map of dotted paths to values
+  config::Node set;                  ///< map of dotted paths to values
+  std::vector<std::string> differs;  ///< keys and blocks
   static void describe(config::Binder& b, StudyMethodConfig& method);
 };
 
-/// One entry of `vary`.
+/// One entry of `vary`: a path with values, paths in step, or named points.
 struct StudyAxisConfig {
   std::string path;
-  config::Node values;  ///< list
+  config::Node values;           ///< list
+  config::Node zip;              ///< map of dotted paths to lists of one length
+  config::Node list;             ///< of {name, set}
+  std::string name = "variant";  ///< column of `list`
   static void describe(config::Binder& b, StudyAxisConfig& axis);
 };
 
@@ -77,8 +81,10 @@ struct StudyMethod {
   std::string name;  ///< with the suffixes of the axes
   std::string base;  ///< without
   std::filesystem::path pipeline;
-  std::vector<std::string> set;   ///< `key.path=value`; may hold {run:NAME} and {data}, see overrides_of()
-  std::vector<std::string> axes;  ///< value on each axis, as text
+  std::vector<std::string> set;      ///< `key.path=value`; may hold {run:NAME} and {data}, see overrides_of()
+  std::vector<std::string> axes;     ///< value in each column of the axes, as text
+  std::vector<std::string> differs;  ///< as written
+  std::size_t entry = 0;             ///< in `methods`
   /// Names in {run:NAME}, and the methods they mean, all of which stand before this one.
   std::vector<std::pair<std::string, std::size_t>> uses;
   std::string resolved;            ///< pipeline with every key at its effective value
@@ -92,12 +98,18 @@ struct Study {
   StudyConfig config;
   std::vector<StudyData> data;       ///< in the order written, seeds ascending as written
   std::vector<StudyMethod> methods;  ///< in the order written, the last axis fastest
-  std::vector<std::string> axes;     ///< paths
+  std::vector<std::string> axes;     ///< columns of the axes: paths, or the name of a list
   std::vector<std::uint64_t> order_seeds;
   /// By method: the one to compare it with, if any. A baseline with axes: the variant at the same values.
   std::vector<std::optional<std::size_t>> baseline;
-  std::string resolved;  ///< YAML with every key at its effective value
+  std::string resolved;               ///< YAML with every key at its effective value
+  std::vector<std::string> warnings;  ///< what is allowed and should not be
 };
+
+/// Keys in which the resolved pipelines differ.
+std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMethod& baseline);
+/// Of those, the ones that neither `set`, the axes nor `differs` of either names.
+std::vector<std::string> unnamed_keys(const StudyMethod& method, const StudyMethod& baseline);
 
 struct StudyReading {
   /// Effective text of a scene with overrides and of every file it reads. Throws ConfigError. Given by the caller:

@@ -1,0 +1,28 @@
+#pragma once
+/// The axes of `vary`: what each of their points sets, and what tables call it.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "aslio/experiment/study.hpp"
+
+namespace aslio::experiment {
+
+/// What a name of data or of a method may hold: letters, digits, '_', '.', '+' and '-', not '.' or '-' in front.
+bool valid_name(const std::string& name);
+inline constexpr std::string_view kNameRule =
+    "is no name: use letters, digits, '_', '.', '+' and '-', without '.' or '-' in front";
+
+/// One point of an axis.
+struct AxisPoint {
+  std::string suffix;                    ///< of the method's name
+  std::vector<std::string> assignments;  ///< `key.path=value`
+  std::vector<std::string> values;       ///< by column
+};
+
+/// Columns that the axis has in tables. Pre: the axis is valid.
+std::vector<std::string> axis_columns(const StudyAxisConfig& axis);
+std::vector<AxisPoint> axis_points(const StudyAxisConfig& axis);
+
+}  // namespace aslio::experiment
