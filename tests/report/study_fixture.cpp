@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr TimeNs kBegin = 1'700'000'000 * kSecond;
 constexpr double kRadius = 5, kPeriod = 60;
+constexpr double kLoop = 60, kTurn = 45;  // [s] of the recordings
 
 /// On the round at `t` seconds, with a position error that grows and sways.
 StampedPose pose_at(double t, double error) {
@@ -29,16 +30,16 @@ StampedPose pose_at(double t, double error) {
   return {kBegin + to_ns(t), T};
 }
 
-std::vector<StampedPose> poses(double rate, double error) {
+std::vector<StampedPose> poses(double duration, double rate, double error) {
   std::vector<StampedPose> out;
-  for (int i = 0; i <= static_cast<int>(kPeriod * rate); ++i) out.push_back(pose_at(i / rate, error));
+  for (int i = 0; i <= static_cast<int>(duration * rate); ++i) out.push_back(pose_at(i / rate, error));
   return out;
 }
 
-std::string telemetry(double rate) {
+std::string telemetry(double duration, double rate) {
   std::string text = "t_ns,status,sod,iterations,n_matches,eig_1,residual_rms_m,tracking,gyro_rms_rad_s\n";
   const auto out = std::back_inserter(text);
-  for (int i = 0; i <= static_cast<int>(kPeriod * rate); ++i) {
+  for (int i = 0; i <= static_cast<int>(duration * rate); ++i) {
     const double t = i / rate;
     fmt::format_to(out, "{},{},{},{},{},{},{},ok,{}\n", kBegin + to_ns(t),
                    i == 0        ? "initialising"
@@ -50,19 +51,19 @@ std::string telemetry(double rate) {
   return text;
 }
 
-std::string timings(double rate) {
+std::string timings(double duration, double rate) {
   std::string text = "t_ns,predict_s,associate_s,solve_s\n";
-  for (int i = 0; i <= static_cast<int>(kPeriod * rate); ++i) {
+  for (int i = 0; i <= static_cast<int>(duration * rate); ++i) {
     text += fmt::format("{},{},{},{}\n", kBegin + to_ns(i / rate), 1e-4, 1.5e-3 + 1e-5 * (i % 7), 5e-4);
   }
   return text;
 }
 
-void write_run(const fs::path& folder, double rate, double error, const std::string& window) {
+void write_run(const fs::path& folder, double duration, double rate, double error, const std::string& window) {
   fs::create_directories(folder);
-  io::write_tum(folder / "trajectory.tum", poses(rate, error));
-  write_text(folder / "updates.csv", telemetry(rate));
-  write_text(folder / "timings.csv", timings(rate));
+  io::write_tum(folder / "trajectory.tum", poses(duration, rate, error));
+  write_text(folder / "updates.csv", telemetry(duration, rate));
+  write_text(folder / "timings.csv", timings(duration, rate));
   write_text(folder / "resolved.yaml", fmt::format("schema: aslio/pipeline/1\nwindow:\n{}samplers:\n  - type: voxel\n  "
                                                    "  leaf: 0.05\nmap: {{type: voxel_plane}}\n",
                                                    window));
@@ -105,23 +106,24 @@ void write_study(const fs::path& folder) {
   std::string csv = "data,sequence,seed,order_seed,method,status,reason,ate_m,ate_deg,rate_hz,cpu_s_per_s\n";
   for (const char* data : {"loop_1", "loop_2", "turn_1", "turn_2"}) {
     const std::string name = data, sequence = name.substr(0, 4), seed = name.substr(5);
-    const double extra = seed == "2" ? 0.01 : 0;
+    const double extra = seed == "2" ? 0.01 : 0, duration = sequence == "loop" ? kLoop : kTurn;
     fs::create_directories(folder / "data" / name);
-    io::write_tum(folder / "data" / name / "truth.tum", poses(200, 0));
+    io::write_tum(folder / "data" / name / "truth.tum", poses(duration, 200, 0));
     write_text(folder / "data" / name / "overlap.csv",
                "t,static_rays,true_overlap\n1700000001.0,9,0.5\n1700000030.0,9,0.9\n1700000059.0,9,0.4\n");
     csv += fmt::format("{},{},{},0,fixed_10,ok,,{},0.2,10,0.05\n", name, sequence, seed, 0.05 + extra);
     csv += fmt::format("{},{},{},0,as_lio,degraded,few points,{},0.1,20,0.08\n", name, sequence, seed,
                        (sequence == "loop" ? 0.02 : 0.09) + extra);
-    write_run(folder / "runs" / name / "fixed_10", 10, 0.05 + extra, "  type: fixed\n  period: 0.1\n");
-    write_run(folder / "runs" / name / "as_lio", 20, 0.02 + extra, "  type: sod_adaptive\n  seg_step: 0.05\n");
+    write_run(folder / "runs" / name / "fixed_10", duration, 10, 0.05 + extra, "  type: fixed\n  period: 0.1\n");
+    write_run(folder / "runs" / name / "as_lio", duration, 20, 0.02 + extra,
+              "  type: sod_adaptive\n  seg_step: 0.05\n");
   }
   write_map(folder / "runs/loop_1/as_lio/map.ply");
   csv += fmt::format("loop_1,loop,1,0,{},ok,,0.4,0.5,10,0.2\n", quoted);
   csv += fmt::format("loop_2,loop,2,0,{},diverged,\"off by 9 m, {}\",9,0.5,10,0.2\n", quoted, "</script>");
   csv += fmt::format("turn_1,turn,1,0,{},crashed,=cmd(),,,,\n", quoted);
-  write_run(folder / "runs/loop_1" / bad, 10, 0.4, "  type: fixed\n  period: 0.1\n");
-  write_run(folder / "runs/loop_2" / bad, 10, 2, "  type: fixed\n  period: 0.1\n");
+  write_run(folder / "runs/loop_1" / bad, kLoop, 10, 0.4, "  type: fixed\n  period: 0.1\n");
+  write_run(folder / "runs/loop_2" / bad, kLoop, 10, 2, "  type: fixed\n  period: 0.1\n");
   write_text(folder / "results.csv", csv);
   write_text(folder / "statistics.csv",
              "metric,sequence,method,baseline,low,high,effect,p,p_holm\nate_m,loop,as_lio,,0.02,0.03,,,\n"

@@ -174,6 +174,17 @@ TEST_CASE("a course is placed in the world of the truth") {
   CHECK(series_json(study.runs.back(), truth).is_null());
 }
 
+TEST_CASE("one update that is far off does not take the resolution of the others") {
+  const TemporaryFolder folder;
+  std::string text = "t_ns,status,sod\n1000,ok,\n1010,ok,1\n";  // a rate of 10^8 Hz
+  for (int i = 1; i <= 300; ++i) text += std::to_string(1010 + 100'000'000LL * i) + ",ok,0.5\n";
+  write_text(folder.path() / "updates.csv", text);
+  FolderRun run;
+  run.folder = folder.path();
+  const auto series = series_json(run, {.truth = {}, .origin = 1000});
+  CHECK(series["channels"]["rate_hz"]["unit"].get<double>() < 0.05);  // [Hz], of 10
+}
+
 TEST_CASE("telemetry cut short loses its last line only") {
   const TemporaryFolder folder;
   write_text(folder.path() / "u.csv", "t_ns,status,sod\n100,ok,0.5\n200,ok,\n300,ok,nan\n150,ok,1\n400,o");
@@ -212,7 +223,7 @@ TEST_CASE("a page that is full shows the first recording of every sequence befor
   const Fixture fixture;
   const StudyFolder study = fixture.study();
   const auto all = nlohmann::json::parse([&] {
-    const std::string page = make_page(study, kBundle, {.bytes = 2'150'000, .map_points = 100});
+    const std::string page = make_page(study, kBundle, {.bytes = 2'090'000, .map_points = 100});
     const std::size_t begin = page.find("id=\"study\">") + 11;
     return page.substr(begin, page.find("</script>", begin) - begin);
   }());

@@ -42,11 +42,19 @@ as_root() {
   fi
 }
 
+# missing_commands COMMAND=PACKAGE...: the packages of those commands that are not there. For what a user may have from
+# elsewhere, as a Node.js that brings its own npm, which Debian's package would conflict with.
+missing_commands() {
+  local pair
+  for pair in "$@"; do command -v "${pair%%=*}" >/dev/null || echo "${pair#*=}"; done
+}
+
+# install_packages [PACKAGE...]: those of the list, and these.
 install_packages() {
   command -v dpkg-query >/dev/null ||
     fail "this is not a Debian system; install the equivalents of tools/packages.txt, then build with: cmake --preset release && cmake --build build/release"
   local missing
-  missing=$(missing_packages | tr '\n' ' ')
+  missing=$({ missing_packages; printf '%s\n' "$@"; } | sed '/^$/d' | tr '\n' ' ')
   missing=${missing% }
   if [ -z "$missing" ]; then
     announce "packages: all installed"

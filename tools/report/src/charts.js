@@ -2,13 +2,14 @@
 import {BoxplotChart, HeatmapChart, LineChart, ScatterChart} from 'echarts/charts';
 import {GridComponent, MarkLineComponent, TooltipComponent, VisualMapComponent} from 'echarts/components';
 import * as echarts from 'echarts/core';
+import {LabelLayout} from 'echarts/features';
 import {SVGRenderer} from 'echarts/renderers';
-import {h, section, segmented} from './dom.js';
+import {h, section, segmented, whenNear} from './dom.js';
 import {brief, heading} from './model.js';
 import {heatData} from './heat.js';
 import {colourOf, dark, ink} from './theme.js';
 
-echarts.use([BoxplotChart, HeatmapChart, LineChart, ScatterChart, GridComponent, MarkLineComponent, TooltipComponent, VisualMapComponent, SVGRenderer]);
+echarts.use([BoxplotChart, HeatmapChart, LineChart, ScatterChart, GridComponent, MarkLineComponent, TooltipComponent, VisualMapComponent, LabelLayout, SVGRenderer]);
 
 /** A chart in the place, drawn again when what it shows or its width changes. */
 class Chart {
@@ -16,12 +17,15 @@ class Chart {
     this.place = h('div', {class: 'chart', role: 'img', 'aria-label': label});
     this.options = options;
     this.height = height;
-    new ResizeObserver(() => this.draw()).observe(this.place);
+    whenNear(this.place, () => {
+      this.near = true;
+      new ResizeObserver(() => this.draw()).observe(this.place);
+    });
   }
 
   draw() {
     const width = this.place.clientWidth;
-    if (!width) return;
+    if (!width || !this.near) return;
     const height = this.height();
     this.chart ??= echarts.init(this.place, null, {renderer: 'svg', width, height});
     this.chart.resize({width, height});
@@ -43,6 +47,12 @@ function axis(extra) {
     axisLine: line, axisTick: line, splitLine: line, minorSplitLine: {show: false},
     axisLabel: {color: ink('muted'), fontSize: 11, hideOverlap: true}, nameTextStyle: {color: ink('muted'), fontSize: 11}, ...extra,
   };
+}
+
+/** Linear where the values span little, as powers of ten would leave most of the chart empty. */
+function fitAxis(name, values, extra) {
+  const low = Math.min(...values), high = Math.max(...values);
+  return high / low > 30 ? logAxis(name, extra) : axis({type: 'value', name, scale: true, ...extra});
 }
 
 const logAxis = (name, extra) => axis({type: 'log', name, axisLabel: {color: ink('muted'), fontSize: 11, formatter: brief, hideOverlap: true}, ...extra});
@@ -93,16 +103,18 @@ function frontOptions(study, choice) {
   const clouds = points.map(({m}) => ({type: 'scatter', symbolSize: 4, silent: true, itemStyle: {color: colourOf(m), opacity: 0.3},
     data: study.runs.filter((run) => run.method === study.methods[m] && run.good)
       .map((run) => [study.figure(run, 'cpu_s_per_s'), table.scale * study.figure(run, table.metric)]).filter(([x, y]) => x > 0 && y > 0)}));
+  points.sort((a, b) => a.value[0] - b.value[0]).forEach((p, i) => { p.side = ['top', 'bottom', 'right', 'left'][i % 4]; });
+  const all = [...points.map((p) => p.value), ...clouds.flatMap((cloud) => cloud.data)];
   const front = [...points].filter((p) => !p.failed).sort((a, b) => a.value[0] - b.value[0] || a.value[1] - b.value[1])
     .filter((p, i, all) => all.slice(0, i).every((q) => q.value[1] > p.value[1])).map((p) => p.value);
   return {
     grid: {left: 60, right: 24, top: 30, bottom: 42},
-    xAxis: logAxis('CPU [s per s of data]', {nameLocation: 'middle', nameGap: 26}),
-    yAxis: logAxis(heading(table), {}),
+    xAxis: fitAxis('CPU [s per s of data]', all.map((v) => v[0]), {nameLocation: 'middle', nameGap: 26}),
+    yAxis: fitAxis(heading(table), all.map((v) => v[1]), {}),
     series: [...clouds, {type: 'line', data: front, symbol: 'none', silent: true, step: 'end', lineStyle: {color: ink('muted'), type: 'dashed', width: 1}},
       {type: 'scatter', data: points.map((p) => ({value: p.value, name: p.name, symbolSize: 13, symbol: p.failed ? 'emptyCircle' : 'circle',
         itemStyle: {color: colourOf(p.m), borderColor: ink('card'), borderWidth: 1},
-        label: {show: true, formatter: () => p.name, position: 'top', color: ink('text'), fontSize: 11}})),
+        label: {show: true, formatter: () => p.name, position: p.side, color: ink('text'), fontSize: 11}})),
       labelLayout: {hideOverlap: false, moveOverlap: 'shiftY'},
       tooltip: {formatter: ({name, value}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`}}],
   };
@@ -143,7 +155,7 @@ export function chartsSection(study, choice) {
     () => Math.max(240, 26 * heatData(study, table(), choice.get('hidden')).rows.length + 130));
   const front = study.figures.includes('cpu_s_per_s') && new Chart('Cost against accuracy', () => frontOptions(study, choice), () => 340);
   const charts = [boxes, heat, front].filter(Boolean);
-  const titles = h('span');
+  const titles = h('strong');
   const draw = () => {
     titles.textContent = heading(table());
     heatCard.hidden = !table().smaller;
@@ -156,7 +168,7 @@ export function chartsSection(study, choice) {
     h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs; hollow: some sequence failed. The dashed line is the front.'), front.place);
   choice.on(['metric', 'hidden', 'theme', 'logBoxes'], draw);
   queueMicrotask(draw);
-  return section('charts', 'Distribution, ablation, cost', 'Of the figure chosen above: ', titles,
+  return section('charts', 'Distribution, ablation, cost', ['Of the figure chosen in the results: ', titles],
     h('div', {class: 'card'}, h('div', {class: 'tools'}, h('h3', null, 'Over the seeds'), h('span', {class: 'push'}),
       segmented('scale', [[false, 'linear'], [true, 'logarithmic']], choice.get('logBoxes'), (logBoxes) => choice.set({logBoxes}))), boxes.place),
     h('div', {class: 'pair'}, heatCard, frontCard));

@@ -59,6 +59,18 @@ export function segmented(label, options, value, onchange) {
   return group;
 }
 
+/** Once, when the element comes near the view or the page is printed: what nobody looks at costs nothing. */
+export function whenNear(element, action) {
+  const act = () => {
+    observer.disconnect();
+    removeEventListener('beforeprint', act);
+    action();
+  };
+  const observer = new IntersectionObserver((entries) => entries.some((entry) => entry.isIntersecting) && act(), {rootMargin: '500px'});
+  observer.observe(element);
+  addEventListener('beforeprint', act);
+}
+
 export function section(id, title, note, ...children) {
   return h('section', {id, 'aria-labelledby': `${id}-title`},
     h('h2', {id: `${id}-title`}, title), note && h('p', {class: 'note'}, note), children);

@@ -1,5 +1,5 @@
 // The runs over one recording, in space and over time, scrubbed together.
-import {h, section, select} from './dom.js';
+import {h, section, select, whenNear} from './dom.js';
 import {brief, heading, shown} from './model.js';
 import {SpaceView} from './scene.js';
 import {CHANNELS, Timeline} from './timeline.js';
@@ -19,9 +19,15 @@ class Explorer {
     this.legend = h('div', {class: 'legend'});
     this.list = h('div', {class: 'scroll'});
     this.playButton = h('button', {type: 'button', class: 'play', 'aria-label': 'play', onclick: () => this.play()}, '\u25b6');
-    choice.on(['recording'], () => this.draw(false));
-    choice.on(['hidden', 'theme', 'focus'], () => this.draw(true));
-    choice.on(['time'], () => this.seek());
+    choice.on(['recording'], () => this.started && this.draw(false));
+    choice.on(['hidden', 'theme', 'focus'], () => this.started && this.draw(true));
+    choice.on(['time'], () => this.started && this.seek());
+  }
+
+  start() {
+    this.started = true;
+    this.space.start();
+    this.draw(false);
   }
 
   get group() {
@@ -53,7 +59,7 @@ class Explorer {
       truth, map,
     }, keepView);
     if (!keepView) {
-      this.timeline.range = null;
+      this.timeline.range = [this.begin, this.end];
       this.choice.set({time: this.end});
     }
     this.timeline.show(this.lines(courses, overlap), [this.begin, this.end]);
@@ -90,10 +96,10 @@ class Explorer {
     const {study} = this;
     const tables = [...new Set([...study.metrics, 'rate_hz', 'cpu_s_per_s'])].filter((name) => study.figures.includes(name)).map((name) => study.table(name));
     this.list.replaceChildren(h('table', {class: 'plain'},
-      h('thead', null, h('tr', null, ['method', 'status', ...tables.map(heading), 'mean CPU of an update by stage'].map((text) => h('th', {scope: 'col'}, text)))),
+      h('thead', null, h('tr', null, ['method', 'status', ...tables.map(heading), 'mean CPU of an update by stage'].map((text, i) => h('th', {scope: 'col', class: i < 2 ? 'left' : ''}, text)))),
       h('tbody', null, this.group.runs.map((run) => h('tr', {class: run.method === this.choice.get('focus') ? 'focus' : ''},
         h('th', {scope: 'row'}, h('span', {class: 'swatch', style: {'--c': this.colour(run)}}), run.method),
-        h('td', null, h('span', {class: `badge ${run.good ? (run.status === 'ok' ? 'good' : 'open') : 'bad'}`, title: run.reason}, run.status),
+        h('td', {class: 'left'}, h('span', {class: `badge ${run.good ? (run.status === 'ok' ? 'good' : 'open') : 'bad'}`, title: run.reason}, run.status),
           run.reason && h('span', {class: 'reason'}, run.reason)),
         tables.map((table) => h('td', null, shown(table, study.figure(run, table.metric)))),
         h('td', null, this.stages(run)))))));
@@ -104,7 +110,7 @@ class Explorer {
     const total = stages.reduce((sum, [, ms]) => sum + ms, 0);
     if (!total) return '';
     return h('div', {class: 'stages'}, h('div', {class: 'stack', role: 'img', 'aria-label': stages.map(([name, ms]) => `${name} ${brief(ms)} ms`).join(', ')},
-      stages.map(([name, ms], i) => h('span', {title: `${name} ${brief(ms)} ms`, style: {width: `${(100 * ms) / total}%`, background: colourOf(i)}},
+      stages.map(([name, ms], i) => h('span', {title: `${name} ${brief(ms)} ms`, style: {width: `${(100 * ms) / total}%`, background: rampText(0.08 + (0.62 * i) / stages.length)}},
         ms / total > 0.16 ? name : ''))), h('span', null, `${brief(total)} ms`));
   }
 
@@ -176,9 +182,9 @@ export function explorerSection(study, choice, chips) {
     + (missing > 0 ? ` ${study.shown} of ${study.runs.length} runs have their course in this file: aslio report --limit makes room for more, and runs that ended early left none.` : ''),
     tools.top, chips,
     h('div', {class: 'explorer'},
-      h('div', {class: 'left'}, tools.space, explorer.space.element, explorer.legend, tools.time),
+      h('div', {class: 'pane'}, tools.space, explorer.space.element, explorer.legend, tools.time),
       explorer.timeline.element),
     explorer.list);
-  queueMicrotask(() => explorer.draw(false));
+  whenNear(place, () => explorer.start());
   return place;
 }

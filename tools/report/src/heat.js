@@ -1,5 +1,5 @@
 // What the heat map shows: methods by sequences against the baseline, or the axes of the study.
-import {brief, shown} from './model.js';
+import {ratioOf, shown} from './model.js';
 
 /** The method's name without the suffixes of the axes. */
 function baseName(study, run) {
@@ -49,8 +49,8 @@ function overSequences(study, table, hidden) {
     const ratio = cell.mark === 'value' && against > 0 ? cell.median / against : NaN;
     const mark = {failed: 'x', diverged: '-'}[cell.mark];
     if (!Number.isFinite(ratio) && !mark) return;
-    cells.push({value: [column, row, mark ? 9 : Math.log2(Math.max(ratio, 1e-6))], text: mark ?? brief(ratio),
-      note: `${study.methods[m]}, ${line.sequence}\n${mark ? 'failed' : `${shown(table, cell.median)} ${table.unit}, ${brief(ratio)} of the reference`}`});
+    cells.push({value: [column, row, mark ? 9 : Math.log2(Math.max(ratio, 1e-6))], text: mark ?? ratioOf(ratio),
+      note: `${study.methods[m]}, ${line.sequence}\n${mark ? 'failed' : `${shown(table, cell.median)} ${table.unit}, ${ratioOf(ratio)} of the reference`}`});
   }));
   const named = study.baselines.some((b) => b !== null);
   return {columns: methods.map((m) => study.methods[m]), rows: table.lines.map((line) => line.sequence), cells, ratio: true,

@@ -99,6 +99,11 @@ export function brief(value) {
   return value.toPrecision(3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
 }
 
+/** A ratio, so that 1.00 is told from 1.02. */
+export function ratioOf(value) {
+  return value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(2);
+}
+
 export function shown(table, value) {
   return value === null || value === undefined ? '' : (table.scale * value).toFixed(table.decimals);
 }

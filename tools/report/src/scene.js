@@ -42,13 +42,16 @@ function quantile(values, q) {
 }
 
 export class SpaceView {
-  /** `onready` is not called where the browser has no WebGL; then `element` says so. */
   constructor(label) {
     this.element = h('div', {class: 'space', tabindex: 0, role: 'application', 'aria-label': label,
       onkeydown: (event) => this.key(event)});
     this.items = [];
     this.time = 0;
     this.settings = {colour: 'method', times: 1, map: true};
+  }
+
+  /** Takes a canvas; not before it is looked at, as that may take a while. */
+  start() {
     try {
       this.renderer = new WebGLRenderer({antialias: true, alpha: true, preserveDrawingBuffer: true});
     } catch {
@@ -62,6 +65,7 @@ export class SpaceView {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener('change', () => this.render());
+    this.controls.addEventListener('start', () => { this.turned = true; });
     new ResizeObserver(() => this.resize()).observe(this.element);
   }
 
@@ -71,11 +75,13 @@ export class SpaceView {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    if (!this.turned) this.view('slanted');
     this.render();
   }
 
   key(event) {
     if (!this.renderer) return;
+    this.turned = true;
     const turn = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]}[event.key];
     const zoom = {'+': 0.87, '=': 0.87, '-': 1.15}[event.key];
     if (event.key === 'Home') this.view('slanted');
@@ -118,7 +124,10 @@ export class SpaceView {
     this.content = {runs, truth, map};
     this.bounds = boundsOf([...runs.map((run) => run.path), truth].filter(Boolean));
     this.rebuild();
-    if (!keepView) this.view('slanted');
+    if (!keepView) {
+      this.turned = false;
+      this.view('slanted');
+    }
   }
 
   set(settings) {

@@ -1,7 +1,7 @@
 // What the study asks, and how the methods stand, in one look.
 import {h, section} from './dom.js';
 import {markdown} from './markdown.js';
-import {brief, heading} from './model.js';
+import {brief, heading, ratioOf} from './model.js';
 import {colourOf} from './theme.js';
 
 function questionCards(study) {
@@ -10,14 +10,16 @@ function questionCards(study) {
   return cards.some(Boolean) && h('div', {class: 'cards'}, cards);
 }
 
+const OUTCOMES = {holds: ['good', 'holds'], 'does not hold': ['bad', 'does not hold'], undecided: ['open', 'undecided']};
+
+/** The claims of the verdict with their outcomes; the whole of it on demand. */
 function verdictCard(study) {
   if (!study.verdict) return null;
-  const words = [...study.verdict.matchAll(/\*\*(holds|does not hold|undecided)(?: so far)?\*\*/g)].map((match) => match[1]);
-  const count = (word) => words.filter((w) => w === word).length;
-  const badges = [['holds', 'good'], ['does not hold', 'bad'], ['undecided', 'open']].filter(([word]) => count(word))
-    .map(([word, kind]) => h('span', {class: `badge ${kind}`}, `${count(word)} ${word}`));
-  return h('details', {class: 'card verdict', open: study.verdict.length < 3000},
-    h('summary', null, h('strong', null, 'Verdict'), ' ', badges), h('div', {class: 'prose'}, markdown(study.verdict)));
+  const claims = [...study.verdict.matchAll(/^- ([^\n]+): \*\*(holds|does not hold|undecided)( so far)?\*\*\s*$/gm)];
+  return h('div', {class: 'card verdict'}, h('h3', null, 'Verdict'),
+    claims.length > 0 && h('ul', {class: 'claims'}, claims.map(([, text, outcome, soFar]) => h('li', null,
+      h('span', {class: `badge ${OUTCOMES[outcome][0]}`}, OUTCOMES[outcome][1] + (soFar ?? '')), h('span', null, text)))),
+    h('details', {open: claims.length === 0}, h('summary', null, 'the whole verdict'), h('div', {class: 'prose'}, markdown(study.verdict))));
 }
 
 /** Per method: how often best, the typical ratio to the baseline, what failed, what it costs. */
@@ -48,7 +50,7 @@ function winsBar(line, sequences) {
     h('span', {class: 'first', style: width(line.best)}), h('span', {class: 'second', style: width(line.second)}));
 }
 
-const ratioText = (ratio) => (ratio === undefined || ratio === null ? '' : ratio === 'x' ? 'x' : brief(ratio));
+const ratioText = (ratio) => (ratio === undefined || ratio === null ? '' : ratio === 'x' ? 'x' : ratioOf(ratio));
 
 function standingTable(study, metric) {
   const table = study.table(metric);
@@ -70,7 +72,7 @@ function standingTable(study, metric) {
 
 function ratioClass(comparison) {
   if (!comparison || typeof comparison.ratio !== 'number') return '';
-  return comparison.ratio < 1 ? 'better' : comparison.ratio > 1 ? 'worse' : '';
+  return comparison.ratio < 0.995 ? 'better' : comparison.ratio >= 1.005 ? 'worse' : '';
 }
 
 function tiles(study) {
@@ -89,6 +91,11 @@ function tiles(study) {
     degraded > 0 && tile(String(degraded), 'degraded'));
 }
 
+function warnings(study) {
+  return study.identical?.length > 0 && h('div', {class: 'card warning'}, h('h3', null, 'Identical results'),
+    h('ul', null, study.identical.map((text) => h('li', null, text))));
+}
+
 export function summarySection(study, choice) {
   const place = h('div');
   const draw = () => {
@@ -97,6 +104,6 @@ export function summarySection(study, choice) {
   };
   choice.on(['metric', 'theme'], draw);
   draw();
-  return section('study', study.name, null, questionCards(study), verdictCard(study), tiles(study), place);
+  return section('study', study.name, null, questionCards(study), verdictCard(study), tiles(study), warnings(study), place);
 }
 

@@ -1,6 +1,6 @@
 // The results: sortable, filtered, and every cell opens its runs.
 import {h, s, section, segmented, select} from './dom.js';
-import {brief, heading, shown} from './model.js';
+import {heading, ratioOf, shown} from './model.js';
 import {colourOf} from './theme.js';
 
 const MARKS = {diverged: ['-', 'severe divergence midway'], failed: ['x', 'total failure'], absent: ['', 'no figure']};
@@ -113,10 +113,10 @@ export class ResultsTable {
     const figures = [...new Set([this.table.metric, ...study.metrics, 'rate_hz', 'cpu_s_per_s', 'peak_rss_mb'])].filter((name) => study.figures.includes(name));
     const tables = figures.map((name) => study.table(name));
     return h('div', {class: 'runs'}, h('table', {class: 'plain'},
-      h('thead', null, h('tr', null, ['run', 'status', ...tables.map(heading), ''].map((text) => h('th', {scope: 'col'}, text)))),
+      h('thead', null, h('tr', null, ['run', 'status', ...tables.map(heading), ''].map((text, i) => h('th', {scope: 'col', class: i < 2 ? 'left' : ''}, text)))),
       h('tbody', null, study.runsOf(open.sequence, study.methods[open.method]).map((run) => h('tr', null,
         h('th', {scope: 'row'}, run.order && run.order !== '0' ? `${run.data}, order ${run.order}` : run.data),
-        h('td', null, h('span', {class: `badge ${run.good ? (run.status === 'ok' ? 'good' : 'open') : 'bad'}`}, run.status),
+        h('td', {class: 'left'}, h('span', {class: `badge ${run.good ? (run.status === 'ok' ? 'good' : 'open') : 'bad'}`}, run.status),
           run.reason && h('span', {class: 'reason'}, run.reason)),
         tables.map((table) => h('td', null, shown(table, study.figure(run, table.metric)))),
         h('td', null, run.series
@@ -143,7 +143,7 @@ export class ResultsTable {
         .map((text) => h('th', {scope: 'col'}, text)))),
       h('tbody', null, lines.map((line) => h('tr', null, h('th', {scope: 'row'}, name(line.method)), h('td', null, name(line.baseline)),
         h('td', null, tally(line.sequences)), h('td', null, tally(line.pairs)),
-        h('td', null, typeof line.ratio === 'number' ? brief(line.ratio) : line.ratio ?? ''), line.more.map(([, text]) => h('td', null, text)))))))];
+        h('td', null, typeof line.ratio === 'number' ? ratioOf(line.ratio) : line.ratio ?? ''), line.more.map(([, text]) => h('td', null, text)))))))];
   }
 }
 

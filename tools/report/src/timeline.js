@@ -17,7 +17,20 @@ export const CHANNELS = [
 ];
 const STEPS = new Set(['rate_hz', 'iterations']);
 const LOGARITHMIC = new Set(['weakest']);
+/** Peaks of single updates, as of a window that the end cuts short, do not set the scale of these. */
+const PEAKY = new Set(['rate_hz', 'cpu_ms']);
 const AXIS = 52;
+
+const powersOnly = (_, splits) => splits.map((v) => (Math.abs(Math.log10(v) % 1) < 1e-9 ? v : null));
+
+/** Scale of y up to what all but a few samples stay below. */
+function bound(lines) {
+  const tops = lines.map(({channel}) => {
+    const sorted = Float64Array.from(channel.v).sort();
+    return sorted[Math.floor(0.995 * (sorted.length - 1))];
+  });
+  return [0, 1.25 * Math.max(...tops, 1e-9)];
+}
 
 export class Timeline {
   constructor(choice) {
@@ -57,9 +70,9 @@ export class Timeline {
     const plot = new uPlot({
       width: this.width(), height: last ? 118 : 92, padding: [6, 10, last ? 0 : 4, 0], legend: {show: false},
       cursor: {sync: {key: 'aslio'}, drag: {x: true, y: false}, points: {size: 6}, y: false},
-      scales: {x: {time: false, min: this.range[0], max: this.range[1]}, y: {distr: logarithmic ? 3 : 1}},
+      scales: {x: {time: false, min: this.range[0], max: this.range[1]}, y: {distr: logarithmic ? 3 : 1, ...(PEAKY.has(name) && {range: bound(lines)})}},
       axes: [{...text, grid, show: true, size: last ? 26 : 0, values: last ? (_, v) => v.map((t) => `${brief(t)}${t ? '' : ' s'}`) : () => []},
-        {...text, grid, size: AXIS, space: 24, values: (_, v) => v.map((y) => (y === null ? '' : brief(y)))}],
+        {...text, grid: logarithmic ? {...grid, filter: powersOnly} : grid, size: AXIS, space: 24, ...(logarithmic && {filter: powersOnly, ticks: {...text.ticks, filter: powersOnly}}), values: (_, v) => v.map((y) => (y === null ? '' : brief(y)))}],
       series: [{}, ...series],
       hooks: {
         setCursor: [(u) => this.read(u, readings)],

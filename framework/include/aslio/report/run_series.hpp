@@ -36,7 +36,8 @@ DataTruth read_truth(const StudyFolder& study, const std::string& data);
 nlohmann::ordered_json data_json(const StudyFolder& study, const std::string& data, const DataTruth& truth);
 
 /// Trajectory (in the world of the truth, if there is one), telemetry, errors and timings of a run; null when it has
-/// left none. Lengths are within 5 mm and other values within 0.2 % of their range of what the files say.
+/// left none. Lengths are within 5 mm and other values within 0.4 % of their usual range (that
+/// of all but the smallest and largest hundredth) of what the files say.
 nlohmann::ordered_json series_json(const FolderRun& run, const DataTruth& truth);
 
 /// A thinned-out map of the run (map.ply or map.pcd in its folder, as `aslio run --save-map` writes them), at most
