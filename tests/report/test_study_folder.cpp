@@ -130,6 +130,7 @@ TEST_CASE("Markdown marks the best, the second and the failures") {
   CHECK_THAT(text, Contains("x: total failure") && Contains("-: severe divergence midway"));
   CHECK_THAT(text, Contains("| loop_2 | &lt;img src=x onerror=fail()&gt;&amp;\"' | diverged |"));
   CHECK(text.find("<img") == std::string::npos);
+  CHECK(text.find("<script") == std::string::npos);
 }
 
 TEST_CASE("LaTeX is booktabs with names escaped") {

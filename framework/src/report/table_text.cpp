@@ -90,6 +90,19 @@ std::string footnotes(const MetricTable& table, const Markup& markup) {
   return text;
 }
 
+/// A text of the study is Markdown already, but no HTML.
+std::string without_tags(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<' || c == '>') {
+      out += c == '<' ? "&lt;" : "&gt;";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
 std::string tally_text(const Tally& tally) { return fmt::format("{} / {} / {}", tally.won, tally.lost, tally.tied); }
 
 std::string ratio_text(const Comparison& comparison, const Markup& markup) {
@@ -208,7 +221,7 @@ std::string to_markdown(const StudyFolder& study) {
   std::string text = fmt::format("# {}\n\n", markdown_cell(study.name));
   const auto out = std::back_inserter(text);
   const auto paragraph = [&](std::string_view title, const std::string& words) {
-    if (!words.empty()) fmt::format_to(out, "**{}.** {}\n\n", title, words);
+    if (!words.empty()) fmt::format_to(out, "**{}.** {}\n\n", title, without_tags(words));
   };
   paragraph("Question", study.question);
   paragraph("Prediction", study.prediction);
