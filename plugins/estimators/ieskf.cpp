@@ -47,6 +47,7 @@ void Ieskf::reset(const InitialState& initial) {
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
   accepted_t_ = kTimeMin;
+  left_open_ = false;
   result_ = Update{};
 }
 
@@ -54,22 +55,6 @@ NavState Ieskf::predict(std::span<const ImuSample> imu) const {
   NavState state = state_;
   for (std::size_t i = 1; i < imu.size(); ++i) motion_->step(state, imu[i - 1], imu[i]);
   return state;
-}
-
-ImuNoise Ieskf::noise_of(const ImuSample& from, const ImuSample& to) const {
-  if (params_.noise == Noise::fastlio) return {0.1, 0.1, 1e-4, 1e-4};
-  const double dt = std::max(to_seconds(to.t - from.t), 1e-6);
-  const auto discrete = [dt](double density) { return density * density / dt; };
-  ImuNoise noise{discrete(sensor_.gyro_noise), discrete(sensor_.acc_noise), discrete(sensor_.gyro_bias_walk),
-                 discrete(sensor_.acc_bias_walk)};
-  if (params_.noise == Noise::rate_scaled) {
-    // eq. MOT-5: a scale error of 1 % and a delay of 3 ms, correlated over 0.1 s.
-    constexpr double scale = 0.01, delay = 0.003, correlation = 0.1;
-    const Vec3 rate = 0.5 * (from.gyro + to.gyro) - state_.b_w;
-    const Vec3 change = (to.gyro - from.gyro) / dt;
-    noise.gyro += (scale * scale * rate.squaredNorm() + delay * delay * change.squaredNorm()) * correlation / dt;
-  }
-  return noise;
 }
 
 void Ieskf::propagate(const Window& window) {
@@ -91,7 +76,8 @@ void Ieskf::propagate(const Window& window) {
       turned.middleCols<kStateDim - block::b_w>(block::b_w) +=
           F.block<3, kStateDim - block::b_w>(block::theta, block::b_w);
     }
-    motion_->propagate_covariance(state, from, to, noise_of(from, to), P_);
+    const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, left_open_);
+    motion_->propagate_covariance(state, from, to, noise, P_);
     const MotionSegment segment = motion_->step(state, from, to);
     trajectory_.append(segment, state);
     states_.push_back(state);
@@ -374,6 +360,7 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   for (int i = 0; i < 6; ++i) result_.spectrum[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
   const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * solver.eigenvalues()[0];
   if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
+  left_open_ = weakest < 1.0;
 
   state_ = posterior;
   P_ = P;
@@ -412,6 +399,7 @@ bool Ieskf::dead_reckoning_is_good() const {
 void Ieskf::refuse(UpdateStatus status) {
   result_.status = status;
   result_.accepted = false;
+  left_open_ = accepted_t_ != kTimeMin;
   // Unseen space can only become known by inserting it: go on while dead reckoning is still good (eq. IESKF-8).
   result_.insert = status == UpdateStatus::few_matches && dead_reckoning_is_good();
 }

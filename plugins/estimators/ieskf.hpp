@@ -3,6 +3,7 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "estimators/frame.hpp"
+#include "estimators/imu_noise.hpp"
 #include "estimators/information_update.hpp"
 #include "estimators/initial_covariance.hpp"
 
@@ -16,7 +17,7 @@ class Ieskf final : public Estimator {
  public:
   using Gravity = EstimatedStates::Gravity;
   using GyroCalibration = EstimatedStates::GyroCalibration;
-  enum class Noise : std::uint8_t { fastlio, physical, rate_scaled };
+  using Noise = ImuNoisePreset::Kind;
   enum class Association : std::uint8_t { every_iteration, on_convergence, once };
 
   /// How a window's correction reaches the points inside it.
@@ -30,7 +31,7 @@ class Ieskf final : public Estimator {
   struct Params {
     EstimatedStates estimated;
     DeskewCorrection deskew_correction = DeskewCorrection::rigid;
-    Noise noise = Noise::fastlio;
+    ImuNoisePreset noise;
     Association association = Association::every_iteration;
     std::int64_t max_iterations = 4;
     double sigma = 0.03;
@@ -85,7 +86,6 @@ class Ieskf final : public Estimator {
 
   void find_velocity_alone();
   void propagate(const Window& window);
-  ImuNoise noise_of(const ImuSample& from, const ImuSample& to) const;
   void reserve(std::size_t fresh, std::size_t history);
   void load_history(const HistorySelection& past);
   void iterate(const HistorySelection& past, const StepContext& context);
@@ -117,6 +117,7 @@ class Ieskf final : public Estimator {
   StateMatrix P_ = StateMatrix::Zero();
   // Growth of the uncertainty since the last accepted update decides how long dead reckoning may extend the map.
   TimeNs accepted_t_ = kTimeMin;
+  bool left_open_ = false;  ///< the last update left a direction open, or was refused after others were not
   double accepted_position_variance_ = 0, accepted_tilt_variance_ = 0;
 
   std::span<const ImuSample> imu_;  ///< of the window

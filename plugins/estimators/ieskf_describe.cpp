@@ -21,11 +21,15 @@ void Ieskf::describe(config::Binder& b, Params& p) {
            "how the correction reaches the points inside a window: all of it; in proportion to their time, in the rows "
            "too; the same in the points only (AC-LIO); or de-skewed again with the rate, velocity and calibration of "
            "the iterate, in the rows too");
-  b.choice("noise", p.noise,
+  b.choice("noise", p.noise.kind,
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
            "scale "
            "factor and delay that grow with the turn rate");
+  b.real("degenerate_acc_noise", p.noise.degenerate_acc_noise, "m/s^2/sqrt(Hz)", {.min = 0, .max = 10},
+         "noise: physical, rate_scaled: least density of the accelerometer's noise after an update that was degenerate "
+         "or refused: the tilt comes from a map taken as exact, and what the map is off, gravity turns into "
+         "acceleration (0: the sensor's own)");
   b.choice(
       "association", p.association,
       {{"every_iteration", Association::every_iteration},

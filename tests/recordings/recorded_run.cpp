@@ -33,7 +33,7 @@ std::vector<TimeNs> read_update_times(const fs::path& csv) {
 }
 
 RecordedRun run(const std::string& pipeline, int threads, const fs::path& input, const char* sensor,
-                const fs::path& reference) {
+                const fs::path& reference, const std::vector<std::string>& overrides = {}) {
   const fs::path configs = fs::path(ASLIO_SOURCE_DIR) / "configs";
   // Tests of one folder may run at once.
   const fs::path output =
@@ -45,6 +45,7 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
   options.output = output;
   options.threads = threads;
   options.reference = reference;
+  options.overrides = overrides;
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   Unwatched monitor;
@@ -59,8 +60,8 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
 
 }  // namespace
 
-RecordedRun run_on_avia(const std::string& pipeline, int threads) {
-  return run(pipeline, threads, unpacked_avia(), "livox_avia.yaml", recorded("avia_corridor.gt.tum"));
+RecordedRun run_on_avia(const std::string& pipeline, int threads, const std::vector<std::string>& overrides) {
+  return run(pipeline, threads, unpacked_avia(), "livox_avia.yaml", recorded("avia_corridor.gt.tum"), overrides);
 }
 
 RecordedRun run_on_kitti(const std::string& pipeline, int threads) {

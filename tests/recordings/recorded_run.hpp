@@ -25,8 +25,9 @@ struct RecordedRun {
   double cpu_per_s() const { return summary.cpu_s / summary.data_s; }
 };
 
-/// `pipeline` names a file of configs/pipelines. Throws what experiment::run() and unpacked_*() throw.
-RecordedRun run_on_avia(const std::string& pipeline, int threads = 1);
+/// `pipeline` names a file of configs/pipelines; `overrides` as `aslio run --set`. Throws what experiment::run() and
+/// unpacked_*() throw.
+RecordedRun run_on_avia(const std::string& pipeline, int threads = 1, const std::vector<std::string>& overrides = {});
 /// Evaluated against FAST-LIO2, for OXTS drifts by metres here.
 RecordedRun run_on_kitti(const std::string& pipeline, int threads = 1);
 

@@ -257,6 +257,31 @@ TEST_CASE("a single wall in view: the update counts, and is marked degenerate") 
   CHECK(update.spectrum[3] > 100.0);
 }
 
+TEST_CASE(
+    "after an update that left a direction open, the accelerometer is trusted less until the next one") {  // eq. MOT-7
+  // Growth of the variance of the velocity over a window in which nothing matches, after one in which much or a wall
+  // did.
+  const auto growth = [](bool wall, const char* density) {
+    Filter filter({"estimator.noise=physical", std::string("estimator.degenerate_acc_noise=") + density}, 0.01, true);
+    filter.build_map(1);
+    RoomWindow seen(kRoomEpoch, kTenth, Pose{}, 2, 3000);
+    if (wall)
+      std::erase_if(seen.fresh,
+                    [](const TimedPoint& p) { return p.x < 3.99F || std::abs(p.y) > 2 || std::abs(p.z) > 1; });
+    seen.window.fresh = seen.fresh;
+    const Update first = filter.update(seen);
+    REQUIRE(first.status == (wall ? UpdateStatus::degenerate : UpdateStatus::ok));
+    RoomWindow next(kRoomEpoch + kTenth, kTenth, Pose{}, 3, 3000);
+    next.window.fresh = {};
+    return filter.update(next).P(7, 7) - first.P(7, 7);
+  };
+  const double density = SensorModel{}.acc_noise, more = 0.05;
+  const double without = growth(true, "0"), with = growth(true, "0.05");
+  CHECK(with - without == Approx((more * more - density * density) * 0.1).epsilon(0.02));
+  CHECK(growth(false, "0.05") == Approx(growth(false, "0")).epsilon(1e-9));
+  CHECK(growth(true, "1e-4") == Approx(without).epsilon(1e-9));  // never less than the sensor's own
+}
+
 namespace {
 
 /// RMS distance [m] of the points for the map from the nearest wall.

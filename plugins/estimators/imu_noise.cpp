@@ -1,0 +1,25 @@
+#include "estimators/imu_noise.hpp"
+
+#include <algorithm>
+
+namespace aslio::plugins {
+
+ImuNoise ImuNoisePreset::over(const ImuSample& from, const ImuSample& to, const SensorModel& sensor, const Vec3& b_w,
+                              bool degenerate) const {
+  if (kind == Kind::fastlio) return {0.1, 0.1, 1e-4, 1e-4};
+  const double dt = std::max(to_seconds(to.t - from.t), 1e-6);
+  const auto discrete = [dt](double density) { return density * density / dt; };
+  const double acc = degenerate ? std::max(sensor.acc_noise, degenerate_acc_noise) : sensor.acc_noise;
+  ImuNoise noise{discrete(sensor.gyro_noise), discrete(acc), discrete(sensor.gyro_bias_walk),
+                 discrete(sensor.acc_bias_walk)};
+  if (kind == Kind::rate_scaled) {
+    // eq. MOT-5: a scale error of 1 % and a delay of 3 ms, correlated over 0.1 s.
+    constexpr double scale = 0.01, delay = 0.003, correlation = 0.1;
+    const Vec3 rate = 0.5 * (from.gyro + to.gyro) - b_w;
+    const Vec3 change = (to.gyro - from.gyro) / dt;
+    noise.gyro += (scale * scale * rate.squaredNorm() + delay * delay * change.squaredNorm()) * correlation / dt;
+  }
+  return noise;
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "aslio/core/sensor.hpp"
+#include "aslio/stages/motion.hpp"
+
+namespace aslio::plugins {
+
+/// What the prediction of a filter is held to be worth.
+struct ImuNoisePreset {
+  enum class Kind : std::uint8_t {
+    fastlio,     ///< FAST-LIO2's inflated per-sample variances
+    physical,    ///< the densities of the sensor (docs/equations.md MOT-3)
+    rate_scaled  ///< those plus terms for scale factor and delay that grow with the turn rate (MOT-5)
+  };
+  Kind kind = Kind::fastlio;
+  /// After an update that left a direction open: least density of the accelerometer [m/s^2/sqrt(Hz)] (MOT-7).
+  double degenerate_acc_noise = 0;
+
+  /// Variances per sample over the interval from `from` to `to`; `b_w` is the gyro's bias [rad/s], `degenerate` whether
+  /// the last update left a direction open.
+  ImuNoise over(const ImuSample& from, const ImuSample& to, const SensorModel& sensor, const Vec3& b_w,
+                bool degenerate) const;
+};
+
+}  // namespace aslio::plugins
