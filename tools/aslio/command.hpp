@@ -30,6 +30,8 @@ Command add_evaluate(CLI::App& root);
 Command add_overlap(CLI::App& root);
 Command add_simulate(CLI::App& root);
 Command add_experiment(CLI::App& root);
+Command add_status(CLI::App& root);
+Command add_compare(CLI::App& root);
 Command add_report(CLI::App& root);
 Command add_version(CLI::App& root);
 

@@ -6,6 +6,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/study_run.hpp"
+#include "aslio/experiment/study_slurm.hpp"
 #include "aslio/experiment/study_statistics.hpp"
 #include "aslio/simulator/scene.hpp"
 #include "command.hpp"
@@ -23,8 +24,10 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string study, output, data, only, seeds, recording;
-  std::vector<std::string> plugins;
-  int jobs = 1;
+  std::vector<std::string> plugins, sbatch;
+  std::string executor = "local";
+  int jobs = 1, throttle = 100;
+  double poll = 10;
   double scale = 1;
   bool keep_data = false, dry_run = false, quiet = false;
 };
@@ -78,7 +81,8 @@ void print_plan(const experiment::Study& study, const experiment::StudyOptions& 
 
 int report(const experiment::Study& study, const experiment::StudyResult& result, const Arguments& a) {
   if (result.interrupted) {
-    complain(fmt::format("interrupted: the same command goes on where {} stops", a.output));
+    complain(fmt::format("interrupted: the same command goes on where {} stops{}", a.output,
+                         a.executor == "slurm" ? "; tasks in the queue go on by themselves" : ""));
     return kInterrupted;
   }
   const std::size_t failures = result.failures();
@@ -103,6 +107,31 @@ std::string recording_of(const experiment::Study& study, const std::string& name
   return name;
 }
 
+/// This command for one recording, whose name is still missing, from any folder.
+std::vector<std::string> command_of(const Arguments& a) {
+  const auto whole = [](const std::string& path) { return fs::absolute(path).lexically_normal().string(); };
+  std::vector<std::string> words = {fs::read_symlink("/proc/self/exe").string(),
+                                    "experiment",
+                                    whole(a.study),
+                                    "--output",
+                                    whole(a.output),
+                                    "--jobs",
+                                    fmt::to_string(a.jobs),
+                                    "--scale",
+                                    fmt::to_string(a.scale),
+                                    "--quiet"};
+  const auto add = [&words](const char* option, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {option, value});
+  };
+  add("--only", a.only);
+  add("--seeds", a.seeds);
+  add("--data", a.data.empty() ? a.data : whole(a.data));
+  for (const std::string& plugin : a.plugins) add("--plugin", whole(plugin));
+  if (a.keep_data) words.emplace_back("--keep-data");
+  words.emplace_back("--recording");
+  return words;
+}
+
 int run_experiment(const Arguments& a) {
   catch_interrupts();
   const Stages stages = load_stages(a.plugins);
@@ -125,7 +154,13 @@ int run_experiment(const Arguments& a) {
     return kSuccess;
   }
   Monitor monitor(a.quiet);
-  return report(study, experiment::run_study(study, options, monitor), a);
+  if (a.executor == "local") return report(study, experiment::run_study(study, options, monitor), a);
+  experiment::SlurmOptions slurm;
+  slurm.command = command_of(a);
+  slurm.sbatch = a.sbatch;
+  slurm.throttle = a.throttle;
+  slurm.poll_s = a.poll;
+  return report(study, experiment::run_study_on_slurm(study, options, slurm, monitor), a);
 }
 
 void add_options(CLI::App& app, Arguments& a) {
@@ -147,6 +182,16 @@ void add_options(CLI::App& app, Arguments& a) {
                  "works on the runs over this one alone and writes no tables: several such calls may share an output, "
                  "and a call without it makes the tables")
       ->type_name("DATA");
+  app.add_option("--executor", a.executor, "`local`, or `slurm`: a task of a job array per recording")
+      ->check(one_of("executor", {"local", "slurm"}))
+      ->capture_default_str();
+  app.add_option("--sbatch", a.sbatch, "further option of sbatch, as in --sbatch=--partition=long; may be repeated");
+  app.add_option("--throttle", a.throttle, "tasks on the cluster at once")
+      ->check(whole_number(1, 100000))
+      ->capture_default_str();
+  app.add_option("--poll", a.poll, "seconds between looks at the queue of the cluster")
+      ->check(seconds(true))
+      ->capture_default_str();
   app.add_flag("--keep-data", a.keep_data, "keeps simulated data when their last run has ended");
   app.add_flag("--dry-run", a.dry_run, "checks everything, tells the runs and what is finished of them, runs nothing");
   add_plugin_option(app, a.plugins);

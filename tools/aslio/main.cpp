@@ -20,7 +20,8 @@ std::vector<Command> add_commands(CLI::App& root, const std::vector<std::string>
   return {add_run(root, command_line), add_simulate(root), add_list(root),
           add_describe(root),          add_check(root),    add_diff(root),
           add_inspect(root),           add_evaluate(root), add_overlap(root),
-          add_experiment(root),        add_report(root),   add_version(root)};
+          add_experiment(root),        add_report(root),   add_status(root),
+          add_compare(root),           add_version(root)};
 }
 
 int act(const std::vector<Command>& commands) {

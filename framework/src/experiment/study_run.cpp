@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/experiment/study_status.hpp"
 #include "study_judge.hpp"
 #include "study_process.hpp"
 #include "study_store.hpp"
@@ -63,6 +64,7 @@ class Schedule {
         ++total_;
       }
     }
+    if (options.recording.empty()) write_plan(study, result_.runs, selected, options.jobs, options.output);
   }
 
   StudyResult run() {
@@ -349,13 +351,7 @@ StudyResult run_study(const Study& study, const StudyOptions& options, StudyMoni
     locked = options.output / "runs" / options.recording;
     fs::create_directories(locked, error);
   }
-  const auto lock = FolderLock::take(locked, true);
-  if (!lock) {
-    throw ConfigError(
-        fmt::format("--output {}: another `aslio experiment` is at work there; wait for it, or name "
-                    "another folder",
-                    options.output.string()));
-  }
+  const FolderLock lock = FolderLock::of_output(locked, options.output);
   return Schedule(study, options, monitor).run();
 }
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -57,6 +58,17 @@ std::optional<FolderLock> FolderLock::take(const fs::path& folder, bool exclusiv
   lock.file_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock.file_ < 0 || !lock.change(exclusive)) return std::nullopt;
   return lock;
+}
+
+FolderLock FolderLock::of_output(const fs::path& folder, const fs::path& output) {
+  constexpr int kTries = 60;
+  for (int i = 0; i < kTries; ++i) {
+    if (auto lock = take(folder, true)) return std::move(*lock);
+    ::poll(nullptr, 0, 50);
+  }
+  throw ConfigError(
+      fmt::format("--output {}: another `aslio experiment` is at work there; wait for it, or name another folder",
+                  output.string()));
 }
 
 bool FolderLock::change(bool exclusive) const { return ::flock(file_, (exclusive ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0; }

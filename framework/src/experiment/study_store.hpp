@@ -22,6 +22,9 @@ class FolderLock {
 
   /// Nothing when another process holds a lock that excludes this one, or the folder is not there.
   static std::optional<FolderLock> take(const std::filesystem::path& folder, bool exclusive);
+  /// The exclusive lock of an output folder. A study that was killed may leave a child behind that holds its lock for
+  /// as long as it takes to notice: tried for 3 s. Throws ConfigError when another study is at work there.
+  static FolderLock of_output(const std::filesystem::path& folder, const std::filesystem::path& output);
   /// From the other kind, at once or not at all.
   bool change(bool exclusive) const;
 

@@ -31,7 +31,7 @@ struct StudyRow {
 
 /// Writes `run_key.json`, the mark of a finished run.
 void write_outcome(const std::filesystem::path& folder, const std::string& key, const StudyOutcome& outcome);
-/// Of a run folder that was finished under this key; nothing otherwise.
+/// Of a run folder that was finished under this key, or (empty) under any; nothing otherwise.
 std::optional<StudyOutcome> read_outcome(const std::filesystem::path& folder, const std::string& key);
 
 /// Status and reason of summary.json; nothing when there is none, or none that can be read.

@@ -1,0 +1,184 @@
+#include "slurm_queue.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <sstream>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/core/sha256.hpp"
+#include "aslio/io/writers.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNotFound = 127;
+
+struct Answer {
+  int code = 0;
+  std::string text;  ///< stdout and stderr
+};
+
+/// Runs a program of Slurm to its end.
+Answer ask(const std::vector<std::string>& words) {
+  std::vector<std::string> copy = words;
+  std::vector<char*> argv;
+  for (std::string& word : copy) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::array<int, 2> ends{-1, -1};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw DataError("no pipe can be made for " + words.front());
+  const pid_t id = ::fork();
+  if (id < 0) throw DataError(words.front() + " cannot be started");
+  if (id == 0) {
+    ::dup2(ends[1], STDOUT_FILENO);
+    ::dup2(ends[1], STDERR_FILENO);
+    ::execvp(argv[0], argv.data());
+    ::_exit(kNotFound);
+  }
+  ::close(ends[1]);
+  Answer answer;
+  std::array<char, 4096> buffer{};
+  for (ssize_t got = 1; got != 0;) {
+    got = ::read(ends[0], buffer.data(), buffer.size());
+    if (got > 0) answer.text.append(buffer.data(), static_cast<std::size_t>(got));
+    if (got < 0 && errno != EINTR) break;
+  }
+  ::close(ends[0]);
+  int status = 0;
+  while (::waitpid(id, &status, 0) < 0 && errno == EINTR) {
+  }
+  answer.code = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  if (answer.code == kNotFound) {
+    throw ConfigError(
+        fmt::format("--executor slurm: {} cannot be started; call this where Slurm's commands are, or leave the option "
+                    "out",
+                    words.front()));
+  }
+  return answer;
+}
+
+/// A controller that restarts or is overloaded, not a wrong option.
+bool unreachable(const std::string& answer) {
+  constexpr std::array<std::string_view, 6> kWords = {
+      "contact slurm", "timed out", "onnection", "temporarily", "Zero Bytes were transmitted", "protocol"};
+  return std::any_of(kWords.begin(), kWords.end(),
+                     [&](std::string_view word) { return answer.find(word) != std::string::npos; });
+}
+
+std::string quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+std::vector<std::string> lines_of(const fs::path& path) {
+  std::ifstream stream(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+void write(const fs::path& path, const std::string& text) {
+  io::AtomicFile file(path);
+  file.write(text);
+  file.close();
+}
+
+/// The mark of its end is made by renaming; a task that was told to stop leaves none.
+std::string script(const fs::path& folder, const std::vector<std::string>& command) {
+  std::string line;
+  for (const std::string& word : command) line += quoted(word) + " ";
+  return fmt::format(
+      "#!/bin/bash\n"
+      "# A task of `aslio experiment --executor slurm`.\n"
+      "folder={}\n"
+      "name=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" \"$folder/tasks.txt\")\n"
+      "{}\"$name\"\n"
+      "code=$?\n"
+      "[ $code -ge 126 ] && exit $code\n"
+      "echo $code >\"$folder/done/$SLURM_ARRAY_TASK_ID.new\" && mv \"$folder/done/$SLURM_ARRAY_TASK_ID.new\" "
+      "\"$folder/done/$SLURM_ARRAY_TASK_ID\"\n"
+      "[ $code -gt 1 ] && exit $code\n"
+      "exit 0\n",
+      quoted(folder.string()), line);
+}
+
+}  // namespace
+
+std::string SlurmArray::task(std::size_t index) const { return fmt::format("{}_{}", job, index); }
+
+std::optional<int> SlurmArray::ended(std::size_t index) const {
+  std::ifstream stream(folder / "done" / fmt::to_string(index));
+  int code = 0;
+  return stream >> code ? std::optional(code) : std::nullopt;
+}
+
+SlurmQueue::SlurmQueue(fs::path folder, const SlurmOptions& options)
+    : folder_(fs::absolute(std::move(folder))), options_(options) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder_.string(), error.message()));
+}
+
+std::string SlurmQueue::name() const { return "aslio-" + sha256_of(folder_.string()).substr(0, 12); }
+
+std::vector<SlurmArray> SlurmQueue::earlier() const {
+  std::vector<SlurmArray> arrays;
+  for (int k = 0;; ++k) {
+    const fs::path folder = folder_ / fmt::to_string(k);
+    std::error_code ignored;
+    if (!fs::exists(folder, ignored)) return arrays;
+    const auto job = lines_of(folder / "job_id");
+    if (!job.empty()) arrays.push_back({folder, job.front(), lines_of(folder / "tasks.txt")});
+  }
+}
+
+std::optional<SlurmArray> SlurmQueue::submit(const std::vector<std::string>& names, int jobs) {
+  int k = 0;
+  std::error_code error;
+  while (fs::exists(folder_ / fmt::to_string(k), error)) ++k;
+  SlurmArray array{folder_ / fmt::to_string(k), {}, names};
+  fs::create_directories(array.folder / "done", error);
+  write(array.folder / "tasks.txt", fmt::format("{}\n", fmt::join(names, "\n")));
+  write(array.folder / "job.sh", script(array.folder, options_.command));
+  std::vector<std::string> words = {"sbatch",
+                                    "--parsable",
+                                    "--job-name=" + name(),
+                                    fmt::format("--array=0-{}%{}", names.size() - 1, options_.throttle),
+                                    "--output=" + (array.folder / "log-%a.txt").string(),
+                                    "--open-mode=append",
+                                    "--requeue",
+                                    "--ntasks=1",
+                                    fmt::format("--cpus-per-task={}", jobs)};
+  words.insert(words.end(), options_.sbatch.begin(), options_.sbatch.end());
+  words.push_back((array.folder / "job.sh").string());
+  const Answer answer = ask(words);
+  if (answer.code == 0) {
+    array.job = answer.text.substr(0, answer.text.find_first_of(";\n"));
+    write(array.folder / "job_id", array.job + "\n");
+    return array;
+  }
+  fs::remove_all(array.folder, error);
+  if (unreachable(answer.text)) return std::nullopt;
+  throw ConfigError(fmt::format("--executor slurm: sbatch refuses: {}", answer.text));
+}
+
+std::optional<std::set<std::string>> SlurmQueue::alive() const {
+  const Answer answer = ask({"squeue", "--noheader", "--array", "--format=%F_%K", "--name=" + name()});
+  if (answer.code != 0) return std::nullopt;
+  std::set<std::string> tasks;
+  std::istringstream stream(answer.text);
+  for (std::string task; stream >> task;) tasks.insert(task);
+  return tasks;
+}
+
+}  // namespace aslio::experiment

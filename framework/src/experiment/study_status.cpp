@@ -1,0 +1,204 @@
+#include "aslio/experiment/study_status.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/experiment/study_results.hpp"
+#include "aslio/io/writers.hpp"
+#include "aslio/statistics/order.hpp"
+#include "study_csv.hpp"
+#include "study_store.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPlanFile = "plan.csv";
+constexpr std::size_t kShown = 20;  // lines of a list
+
+std::size_t index_of(std::vector<std::string>& names, const std::string& name) {
+  const auto at = std::find(names.begin(), names.end(), name);
+  const auto index = static_cast<std::size_t>(at - names.begin());
+  if (at == names.end()) names.push_back(name);
+  return index;
+}
+
+/// Names of the runs begun and not finished in the folder of some data, with the time of their beginning.
+std::map<std::string, fs::file_time_type> begun_in(const fs::path& folder) {
+  constexpr std::string_view kPartial = ".partial-";
+  std::map<std::string, fs::file_time_type> out;
+  std::error_code error;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    const std::size_t end = name.find(kPartial);
+    if (name.front() != '.' || end == std::string::npos) continue;
+    const auto log = fs::last_write_time(at->path() / "log.txt", error);
+    out.emplace(name.substr(1, end - 1), error ? fs::file_time_type::clock::now() : log);
+    error.clear();
+  }
+  return out;
+}
+
+class Reader {
+ public:
+  explicit Reader(const fs::path& output)
+      : output_(output), plan_(read_csv(output / kPlanFile)), planned_(fs::last_write_time(output / kPlanFile)) {}
+
+  StudyStatus read() {
+    status_.at_work = !FolderLock::take(output_, true).has_value() || on_cluster();
+    const std::size_t data = plan_.column("data"), sequence = plan_.column("sequence"), run = plan_.column("run"),
+                      method = plan_.column("method"), key = plan_.column("key");
+    for (const auto& row : plan_.rows) {
+      if (row[data] != data_) begun_ = begun_in(output_ / "runs" / row[data]);
+      data_ = row[data];
+      const std::size_t s = index_of(status_.sequences, row[sequence]), m = index_of(status_.methods, row[method]);
+      status_.cells.resize(status_.sequences.size());
+      for (auto& cells : status_.cells) cells.resize(status_.methods.size());
+      add(row[run], row[key], m, status_.cells[s][m]);
+    }
+    for (const auto& cells : status_.cells) {
+      for (const RunCounts& c : cells) {
+        status_.total.good += c.good;
+        status_.total.failed += c.failed;
+        status_.total.running += c.running;
+        status_.total.waiting += c.waiting;
+      }
+    }
+    estimate();
+    return std::move(status_);
+  }
+
+ private:
+  bool on_cluster() const {
+    std::error_code ignored;
+    return fs::exists(output_ / "slurm" / "waiting", ignored);
+  }
+
+  void add(const std::string& run, const std::string& key, std::size_t method, RunCounts& counts) {
+    const std::string name = data_ + "/" + run;
+    const auto begun = begun_.find(run);
+    if (const auto outcome = finished(output_ / "runs" / data_ / run, key)) {
+      StudyRow row;
+      row.outcome = *outcome;
+      ++(row.good() ? counts.good : counts.failed);
+      if (!row.good()) status_.failures.push_back(fmt::format("{}: {} ({})", name, outcome->status, outcome->reason));
+      times_[method].push_back(outcome->wall_s);
+    } else if (begun != begun_.end() && status_.at_work) {
+      ++counts.running;
+      const std::chrono::duration<double> since = fs::file_time_type::clock::now() - begun->second;
+      status_.running.push_back(fmt::format("{}, for {:.0f} s", name, since.count()));
+      ++left_[method];
+    } else {
+      ++counts.waiting;
+      ++left_[method];
+    }
+  }
+
+  /// Under the key of the plan; or of one made since, when a file that its pipeline names has come.
+  std::optional<StudyOutcome> finished(const fs::path& folder, const std::string& key) const {
+    if (auto outcome = read_outcome(folder, key)) return outcome;
+    std::error_code error;
+    const auto written = fs::last_write_time(folder / "run_key.json", error);
+    return !error && written >= planned_ ? read_outcome(folder, {}) : std::nullopt;
+  }
+
+  void estimate() {
+    std::vector<double> all;
+    for (const auto& [method, times] : times_) all.insert(all.end(), times.begin(), times.end());
+    if (all.empty() || left_.empty()) return;
+    double sum = 0;
+    for (const auto& [method, count] : left_) {
+      const auto known = times_.find(method);
+      const double each = *statistics::median(known != times_.end() ? known->second : all);
+      sum += each * static_cast<double>(count);
+    }
+    const int jobs = plan_.rows.empty() ? 1 : std::stoi("0" + plan_.rows.front()[plan_.column("jobs")]);
+    status_.left_s = sum / std::max(1, jobs);
+  }
+
+  fs::path output_;
+  CsvTable plan_;
+  fs::file_time_type planned_;
+  StudyStatus status_;
+  std::string data_;
+  std::map<std::string, fs::file_time_type> begun_;
+  std::map<std::size_t, std::vector<double>> times_;  ///< of finished runs, by method [s]
+  std::map<std::size_t, std::size_t> left_;           ///< by method
+};
+
+std::string cell(const RunCounts& c) {
+  std::string text = fmt::format("{}/{}", c.good + c.failed, c.all());
+  if (c.running > 0) text += fmt::format(" {}r", c.running);
+  if (c.failed > 0) text += fmt::format(" {}x", c.failed);
+  return text;
+}
+
+std::string list(const std::string& title, const std::vector<std::string>& lines) {
+  if (lines.empty()) return {};
+  std::string text = "\n" + title + "\n";
+  for (std::size_t i = 0; i < std::min(kShown, lines.size()); ++i) text += "  " + lines[i] + "\n";
+  if (lines.size() > kShown) text += fmt::format("  and {} more\n", lines.size() - kShown);
+  return text;
+}
+
+}  // namespace
+
+void write_plan(const Study& study, const std::vector<StudyRun>& runs, const std::vector<bool>& selected, int jobs,
+                const fs::path& output) {
+  io::AtomicFile file(output / kPlanFile);
+  file.write("data,sequence,run,method,identity,key,jobs\n");
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!selected[i]) continue;
+    const StudyData& data = study.data[runs[i].data];
+    file.write(fmt::format("{},{},{},{},{},{},{}\n", data.name, data.sequence, runs[i].folder,
+                           study.methods[runs[i].method].name, data.identity, runs[i].key, jobs));
+  }
+  file.close();
+}
+
+StudyStatus read_status(const fs::path& output) {
+  std::error_code ignored;
+  if (!fs::exists(output / kPlanFile, ignored)) {
+    throw ConfigError(
+        fmt::format("{}: no study has been here (there is no {}); name the --output of `aslio experiment`",
+                    output.string(), kPlanFile));
+  }
+  return Reader(output).read();
+}
+
+std::string to_text(const StudyStatus& s) {
+  std::size_t first = 8;
+  std::vector<std::size_t> widths;
+  for (const std::string& sequence : s.sequences) first = std::max(first, sequence.size());
+  for (std::size_t m = 0; m < s.methods.size(); ++m) {
+    widths.push_back(s.methods[m].size());
+    for (const auto& cells : s.cells) widths[m] = std::max(widths[m], cell(cells[m]).size());
+  }
+  std::string text = fmt::format("{:<{}}", "sequence", first);
+  const auto out = std::back_inserter(text);
+  for (std::size_t m = 0; m < s.methods.size(); ++m) fmt::format_to(out, "  {:<{}}", s.methods[m], widths[m]);
+  text += '\n';
+  for (std::size_t q = 0; q < s.sequences.size(); ++q) {
+    fmt::format_to(out, "{:<{}}", s.sequences[q], first);
+    for (std::size_t m = 0; m < s.methods.size(); ++m) fmt::format_to(out, "  {:<{}}", cell(s.cells[q][m]), widths[m]);
+    text += '\n';
+  }
+  fmt::format_to(out, "\n{} runs: {} finished, {} failed, {} running, {} waiting; {}\n", s.total.all(), s.total.good,
+                 s.total.failed, s.total.running, s.total.waiting, s.at_work ? "at work" : "nobody is at work");
+  if (s.left_s) {
+    const auto left = std::lround(*s.left_s);
+    fmt::format_to(out, "{}:{:02}:{:02} left, simulations not counted\n", left / 3600, left / 60 % 60, left % 60);
+  }
+  return text + list("running", s.running) + list("failed", s.failures);
+}
+
+}  // namespace aslio::experiment

@@ -1,0 +1,158 @@
+/// `aslio status` and `aslio compare`, by what they are made of.
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/experiment/study_compare.hpp"
+#include "aslio/experiment/study_run.hpp"
+#include "aslio/experiment/study_status.hpp"
+#include "study_files.hpp"
+
+using namespace aslio::test;
+using namespace aslio::experiment;
+using Catch::Matchers::Contains;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+class Quiet final : public StudyMonitor {
+ public:
+  void on_line(const std::string&) override {}
+  bool stop_requested() override { return false; }
+};
+
+StudyOptions options(const fs::path& output) {
+  StudyOptions out;
+  out.output = output;
+  out.program = "program";
+  out.executable = ASLIO_CHILD_PROGRAM;
+  return out;
+}
+
+std::string study_text(const std::vector<std::string>& names) {
+  std::string text = head() + "datasets: [{scene: scene_a.yaml, seeds: 1-4}]\nmethods:\n";
+  for (const std::string& name : names) text += method(name, "fixed_window");
+  return text + "metrics: [ate_m]\ntime_limit: 20\n";
+}
+
+}  // namespace
+
+TEST_CASE("the status of a study tells what is finished, what runs and what waits") {
+  const StudyFiles files;
+  const Study study = files.load(study_text({"one", "mute", "hang"}));
+  const fs::path output = files.folder / "out";
+  CHECK_THROWS_WITH(read_status(output), Contains("no study has been here"));
+  const pid_t id = ::fork();
+  if (id == 0) {
+    Quiet monitor;
+    run_study(study, options(output), monitor);
+    ::_exit(0);
+  }
+  StudyStatus status;
+  for (int i = 0; i < 1000 && status.running.empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const bool hangs = fs::exists(output / "plan.csv") && fs::exists(output / "runs/scene_a_1/mute/run_key.json");
+    if (hangs) status = read_status(output);
+  }
+  const std::string text = to_text(status);
+  ::kill(id, SIGKILL);
+  ::waitpid(id, nullptr, 0);
+  INFO(text);
+  CHECK(status.at_work);
+  CHECK(status.methods == std::vector<std::string>{"one", "mute", "hang"});
+  CHECK(status.total.good == 1);
+  CHECK(status.total.failed == 1);
+  CHECK(status.total.running == 1);
+  CHECK(status.total.waiting == 9);
+  CHECK(status.left_s.has_value());
+  CHECK_THAT(text, Contains("scene_a   1/4  1/4 1x  0/4 1r") && Contains("12 runs: 1 finished, 1 failed, 1 running") &&
+                       Contains("scene_a_1/hang, for ") &&
+                       Contains("scene_a_1/mute: failed (exit code 1 without a complaint)"));
+  // Killed: what was running waits again.
+  const StudyStatus after = read_status(output);
+  CHECK_FALSE(after.at_work);
+  CHECK(after.total.running == 0);
+  CHECK(after.total.waiting == 10);
+}
+
+TEST_CASE("folders of the same runs compare as equal, whatever the clock said") {
+  const StudyFiles files;
+  const Study study = files.load(study_text({"one", "two"}));
+  Quiet monitor;
+  run_study(study, options(files.folder / "a"), monitor);
+  run_study(study, options(files.folder / "b"), monitor);
+  const FolderComparison same = compare_folders(files.folder / "a", files.folder / "b");
+  INFO(to_text(same));
+  CHECK(same.same());
+  CHECK(same.shared == 8);
+
+  // Other runs, other data, other outcomes, other figures.
+  write_text(files.folder / "scene_a.yaml", "changed\n");
+  const Study other = files.load(study_text({"one", "mute"}));
+  run_study(other, options(files.folder / "c"), monitor);
+  const FolderComparison c = compare_folders(files.folder / "a", files.folder / "c");
+  CHECK_FALSE(c.same());
+  CHECK(c.shared == 4);
+  CHECK(c.only_a == std::vector<std::string>{"scene_a_1/two", "scene_a_2/two", "scene_a_3/two", "scene_a_4/two"});
+  CHECK(c.only_b.size() == 4);
+  CHECK(c.other_data.size() == 4);
+  CHECK(c.different.empty());
+  CHECK_THROWS_AS(compare_folders(files.folder / "a", files.folder / "gone"), aslio::ConfigError);
+}
+
+TEST_CASE("a comparison tells which runs differ, by how much and in what configuration") {
+  const TemporaryFolder folder;
+  const std::string header = "data,sequence,seed,order_seed,method,status,reason,ate_m,cpu_s_per_s\n";
+  std::string a = header, b = header;
+  for (int k = 1; k <= 7; ++k) {
+    const std::string run = "x_" + std::to_string(k) + ",x," + std::to_string(k) + ",0,m,";
+    a += run + "ok,\"a, \"\"b\"\"\",0." + std::to_string(k) + ",1\n";
+    b += run + (k == 7 ? "failed,why,,2\n" : "ok,,0." + std::to_string(k) + "5,2\n");
+  }
+  for (const auto& [name, text, period] : {std::tuple("a", a, "0.1"), std::tuple("b", b, "0.05")}) {
+    fs::create_directories(folder / name / "runs/x_1/m");
+    write_text(folder / name / "results.csv", text);
+    write_text(folder / name / "runs/x_1/m/resolved.yaml",
+               std::string("schema: aslio/pipeline/1\nwindow: {type: fixed, period: ") + period + "}\n");
+  }
+  const FolderComparison c = compare_folders(folder / "a", folder / "b");
+  INFO(to_text(c));
+  CHECK(c.different.size() == 7);
+  CHECK(c.outcomes == std::vector<std::string>{"x_7/m: ok -> failed"});
+  CHECK(c.configurations == std::vector<std::string>{"m: window.period: 0.1 -> 0.05"});
+  REQUIRE(c.figures.size() == 2);
+  CHECK(c.figures[0].figure == "ate_m");
+  CHECK(c.figures[0].pairs == 7);
+  CHECK(*c.figures[0].difference == Approx(0.05));
+  CHECK(c.figures[0].tally.lost == 7);
+  CHECK(*c.figures[0].p < 0.05);
+  write_text(folder / "b/results.csv", header + "x_1,x,1\n");
+  CHECK_THROWS_AS(compare_folders(folder / "a", folder / "b"), aslio::DataError);
+}
+
+TEST_CASE("the commands exit with what they found") {
+  const StudyFiles files;
+  const Study study = files.load(study_text({"one"}));
+  Quiet monitor;
+  run_study(study, options(files.folder / "a"), monitor);
+  const std::string a = files.folder / "a", gone = files.folder / "gone";
+  const Ended status = run_aslio({"status", a});
+  CHECK(status.code == 0);
+  CHECK_THAT(status.out, Contains("4 runs: 4 finished, 0 failed, 0 running, 0 waiting; nobody is at work"));
+  CHECK(run_aslio({"status", gone}).code == 2);
+  CHECK(run_aslio({"compare", a, a}).code == 0);
+  CHECK(run_aslio({"compare", a, gone}).code == 2);
+  fs::create_directories(files.folder / "b");
+  std::string text = content(files.folder / "a/results.csv");
+  write_text(files.folder / "b/results.csv", text.replace(text.rfind(",ok,"), 4, ",failed,"));
+  const Ended differ = run_aslio({"compare", a, files.folder / "b"});
+  CHECK(differ.code == 1);
+  CHECK_THAT(differ.out, Contains("scene_a_4/one: ok -> failed"));
+}
