@@ -235,5 +235,7 @@ TEST_CASE("a comparison may differ in what the study names, and in nothing else"
   for (const std::string& key : keys) all += (all.empty() ? "" : ", ") + key;
   const Study stated = files.load(fixed + method("other", "as_lio", "differs: [" + all + "]"));
   CHECK(stated.warnings.empty());
+  CHECK(
+      files.load(fixed + method("other", "as_lio") + "differs: [" + all + "]\n").warnings.empty());  // for all methods
   CHECK(unnamed_keys(stated.methods[1], stated.methods[0]).empty());
 }

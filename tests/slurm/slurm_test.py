@@ -181,9 +181,11 @@ class Slurm(unittest.TestCase):
             first = subprocess.Popen(command, env=cluster.environment, stdout=log, stderr=log)
         finished = lambda: len(list((folder / "slurm/runs").glob("*/*/run_key.json")))
         running = lambda: cluster.ask("squeue", "-h", "-r", "-t", "running", "-o", "%F_%K").split()
-        # A task is killed ..
-        cluster.wait_for(lambda: finished() >= 3 and running(), "three finished runs", 120)
-        cluster.ask("scancel", running()[-1])
+        # A task is killed, one that has just begun ..
+        begun = lambda: [task for task in running() if not list(
+            (folder / f"slurm/runs/q_{int(task.split('_')[1]) + 1}").glob("*/run_key.json"))]
+        cluster.wait_for(lambda: finished() >= 3 and begun(), "three finished runs and a task that begins", 200)
+        cluster.ask("scancel", begun()[-1])
         # .. the caller goes away and comes back ..
         cluster.wait_for(lambda: finished() >= 8, "eight finished runs", 120)
         first.send_signal(signal.SIGINT)

@@ -9,6 +9,7 @@
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "aslio/simulator/scene.hpp"
+#include "aslio/simulator/version.hpp"
 
 namespace aslio::cli {
 
@@ -32,7 +33,7 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
 
 std::string resolve_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides) {
   const simulator::SceneFile file = simulator::load_scene(scene, overrides);
-  std::string text = file.resolved;
+  std::string text = fmt::format("{}\nsimulator {}", file.resolved, simulator::sources_digest());
   for (const std::string& read : {file.scene.follow.file, file.scene.world.mesh.file}) {
     if (!read.empty()) text.append("\n").append(sha256_of_file(scene.parent_path() / read));
   }

@@ -99,6 +99,7 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.reals("order_seeds", study.order_seeds, 0, "", {.min = 0.0, .max = kMostSeed},
           "seeds of `aslio run`: replicates over the same data");
   b.text("baseline", study.baseline, "method to compare the others with; empty: none");
+  b.texts("differs", study.differs, {}, "keys or blocks in which every method may differ from the baseline");
   b.texts("metrics", study.metrics, study_metrics(), "figures that tables show");
   b.texts("outputs", study.outputs, {"dense", "map", "world"},
           "large files that stay: every state of a run (`aslio run --dense`), its map (map.ply), the surfaces of the "

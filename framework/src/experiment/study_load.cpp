@@ -208,6 +208,7 @@ class Reader {
     method.name = method.base = config.name;
     method.pipeline = at(config.pipeline);
     method.differs = config.differs;
+    method.differs.insert(method.differs.end(), study_.config.differs.begin(), study_.config.differs.end());
     method.entry = index;
     for (const config::Member& member : config.set.members()) {
       method.set.push_back(member.key + "=" + config::to_line(member.value));

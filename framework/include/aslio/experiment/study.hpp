@@ -54,6 +54,7 @@ struct StudyConfig {
   std::vector<StudyAxisConfig> vary;
   std::vector<double> order_seeds{0.0};
   std::string baseline;
+  std::vector<std::string> differs;  ///< those of every method
   std::vector<std::string> metrics{"ate_m", "ate_deg", "end_to_end_m"};
   std::vector<std::string> outputs;  ///< large ones that stay: "dense", "map", "world"
   double time_limit = 600;           ///< of a run [s]
@@ -83,7 +84,7 @@ struct StudyMethod {
   std::filesystem::path pipeline;
   std::vector<std::string> set;      ///< `key.path=value`; may hold {run:NAME} and {data}, see overrides_of()
   std::vector<std::string> axes;     ///< value in each column of the axes, as text
-  std::vector<std::string> differs;  ///< as written
+  std::vector<std::string> differs;  ///< its own, and those of the study
   std::size_t entry = 0;             ///< in `methods`
   /// Names in {run:NAME}, and the methods they mean, all of which stand before this one.
   std::vector<std::pair<std::string, std::size_t>> uses;

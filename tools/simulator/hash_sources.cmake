@@ -1,0 +1,11 @@
+# Writes OUTPUT, a header with the SHA-256 of all C++ files below SOURCE; touches it only when that has changed.
+cmake_minimum_required(VERSION 3.25)
+file(GLOB_RECURSE sources RELATIVE ${SOURCE} ${SOURCE}/*.cpp ${SOURCE}/*.hpp)
+list(SORT sources)
+set(all "")
+foreach(source ${sources})
+  file(SHA256 ${SOURCE}/${source} digest)
+  string(APPEND all "${source} ${digest}\n")
+endforeach()
+string(SHA256 digest "${all}")
+file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "#define ASLIO_SIMULATOR_SOURCES \"@digest@\"\n" @ONLY)
