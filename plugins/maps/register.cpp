@@ -1,5 +1,6 @@
 #include "aslio/plugin/registry.hpp"
 #include "maps/ikd_tree.hpp"
+#include "maps/ivox.hpp"
 #include "maps/voxel_hash.hpp"
 #include "maps/voxel_plane.hpp"
 
@@ -11,6 +12,8 @@ void register_maps(plugin::Registry<Map>& registry) {
   registry.add<VoxelPlane>("voxel_plane", "Planes of all points in a pyramid of voxels (VoxelMap).");
   registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
   registry.add<IkdTree>("ikd_tree", "Exact neighbours from an incremental k-d tree, thinned to one point per cell.");
+  registry.add<Ivox>("ivox",
+                     "Neighbours from a hash of voxels and those around, the least recent forgotten (Faster-LIO).");
 }
 
 }  // namespace aslio::plugins

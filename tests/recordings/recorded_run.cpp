@@ -64,8 +64,8 @@ RecordedRun run_on_avia(const std::string& pipeline, int threads, const std::vec
   return run(pipeline, threads, unpacked_avia(), "livox_avia.yaml", recorded("avia_corridor.gt.tum"), overrides);
 }
 
-RecordedRun run_on_kitti(const std::string& pipeline, int threads) {
-  return run(pipeline, threads, unpacked_kitti(), "kitti_hdl64.yaml", recorded("reference/kitti_0005/fast_lio2.tum"));
+RecordedRun run_on_kitti(const std::string& pipeline, int threads, const std::string& reference) {
+  return run(pipeline, threads, unpacked_kitti(), "kitti_hdl64.yaml", recorded(reference));
 }
 
 }  // namespace aslio::test

@@ -177,4 +177,33 @@ TEST_CASE("fixed_window costs at most 60 ms of one core per second of data") { c
 
 TEST_CASE("as_lio costs at most 60 ms of one core per second of data") { check_cost("as_lio", 0.060); }
 
+namespace {
+
+/// A system of the literature: at most 25 % or 1 cm above the published program on the corridor, half its cost, and
+/// next to its trajectory on the drive.
+struct Published {
+  const char* pipeline;
+  double ate_m, cost;
+};
+constexpr Published kFastLio2{"fast_lio2", 0.0775, 0.0245}, kFasterLio{"faster_lio", 0.0525, 0.0255};
+
+void check_published(const Published& system) {
+  const RecordedRun run = run_on_avia(system.pipeline);
+  check_whole(run);
+  CHECK(run.ate_m() <= system.ate_m);
+  check_memory(run);
+  CHECK(run_on_avia(system.pipeline, 2).trajectory_sha256 == run.trajectory_sha256);
+  const RecordedRun drive =
+      run_on_kitti(system.pipeline, 1, "reference/kitti_0005/" + std::string(system.pipeline) + ".tum");
+  CHECK(drive.summary.status == pipeline::RunStatus::ok);
+  CHECK(drive.ate_m() <= 0.08);
+  check_cost(system.pipeline, system.cost);
+}
+
+}  // namespace
+
+TEST_CASE("fast_lio2 does as well as the published program and costs half of it") { check_published(kFastLio2); }
+
+TEST_CASE("faster_lio does as well as the published program and costs half of it") { check_published(kFasterLio); }
+
 }  // namespace aslio::test
