@@ -122,8 +122,8 @@ std::optional<int> SlurmArray::ended(std::size_t index) const {
   return stream >> code ? std::optional(code) : std::nullopt;
 }
 
-SlurmQueue::SlurmQueue(fs::path folder, const SlurmOptions& options)
-    : folder_(fs::absolute(std::move(folder))), options_(options) {
+SlurmQueue::SlurmQueue(const fs::path& folder, const SlurmOptions& options)
+    : folder_(fs::absolute(folder)), options_(options) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder_.string(), error.message()));

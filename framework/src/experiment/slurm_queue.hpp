@@ -25,7 +25,7 @@ struct SlurmArray {
 class SlurmQueue {
  public:
   /// `folder`: inside the output of the study; created.
-  SlurmQueue(std::filesystem::path folder, const SlurmOptions& options);
+  SlurmQueue(const std::filesystem::path& folder, const SlurmOptions& options);
 
   /// Arrays of earlier calls.
   std::vector<SlurmArray> earlier() const;

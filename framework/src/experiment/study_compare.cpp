@@ -133,7 +133,7 @@ class Comparer {
     const auto digest = [](const Run& run) {
       std::string text;
       for (const auto& [name, value] : run.figures) {
-        if (!measured(name)) text += name + "=" + value + "\n";
+        if (!measured(name)) text.append(name).append("=").append(value).append("\n");
       }
       return text;
     };
