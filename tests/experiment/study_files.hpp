@@ -4,6 +4,7 @@
 #include <string>
 
 #include "aslio/experiment/study.hpp"
+#include "aslio/experiment/study_run.hpp"
 #include "cli/child.hpp"
 
 namespace aslio::test {
@@ -13,6 +14,14 @@ std::string method(const std::string& name, const std::string& pipeline, const s
 
 /// small.yaml and what it reads: three seconds of swaying and turning in an empty room.
 void write_small_scene(const TemporaryFolder& folder);
+
+/// Keeps what a study tells, and never stops it.
+class Quiet final : public experiment::StudyMonitor {
+ public:
+  void on_line(const std::string& line) override { lines += line + "\n"; }
+  bool stop_requested() override { return false; }
+  std::string lines;
+};
 
 /// The three texts that every study needs, in one line each, and the schema.
 std::string head();

@@ -24,13 +24,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Quiet final : public StudyMonitor {
- public:
-  void on_line(const std::string& line) override { lines += line + "\n"; }
-  bool stop_requested() override { return false; }
-  std::string lines;
-};
-
 StudyOptions options(const fs::path& output, int jobs = 2) {
   StudyOptions out;
   out.output = output;

@@ -22,12 +22,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class Quiet final : public StudyMonitor {
- public:
-  void on_line(const std::string&) override {}
-  bool stop_requested() override { return false; }
-};
-
 StudyOptions options(const fs::path& output) {
   StudyOptions out;
   out.output = output;

@@ -5,9 +5,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "aslio/core/markup.hpp"
 #include "aslio/report/encode.hpp"
 #include "study_fixture.hpp"
 
+using namespace aslio;
 using namespace aslio::report;
 
 namespace {

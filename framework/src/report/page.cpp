@@ -10,6 +10,7 @@
 #include "aslio/config/document.hpp"
 #include "aslio/config/node.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/markup.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/version.hpp"
 #include "aslio/report/encode.hpp"

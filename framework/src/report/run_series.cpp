@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/markup.hpp"
 #include "aslio/evaluation/evaluation.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/measure.hpp"

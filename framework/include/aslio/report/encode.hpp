@@ -18,8 +18,6 @@ std::vector<std::uint32_t> decimated(std::span<const double> t, std::span<const 
 std::vector<std::uint32_t> decimated(std::span<const double> t, std::span<const double> x, std::span<const double> y,
                                      std::span<const double> z, double tolerance);
 
-/// Base64 of bytes (RFC 4648, padded).
-std::string base64(std::span<const std::uint8_t> bytes);
 /// Differences of consecutive values, zigzag, in groups of 7 bits, least first; base64. The first is a difference to 0.
 std::string packed_integers(std::span<const std::int64_t> values);
 /// Each value as its nearest multiple of `unit`, then as packed_integers(). Values are finite.
@@ -28,8 +26,6 @@ std::string packed_numbers(std::span<const double> values, double unit);
 /// JSON for a <script> element: ASCII, and no `<`, `>` or `&`, so that no text can end the element or begin a comment.
 /// Bytes that are no UTF-8 become U+FFFD.
 std::string script_safe(const nlohmann::ordered_json& json);
-/// Text for an element or a quoted attribute.
-std::string html_escaped(std::string_view text);
 /// Text for LaTeX.
 std::string latex_escaped(std::string_view text);
 /// Text for a cell of a Markdown table.

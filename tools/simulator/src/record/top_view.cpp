@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/markup.hpp"
 
 namespace aslio::simulator {
 namespace {
@@ -37,39 +38,6 @@ Bounds shown_bounds(const Trajectory& path, const Mesh& mesh) {
   // Where the world ends before the path does, the path is still shown.
   for (const StampedPose& s : path.samples()) near.add(s.T.p.head<2>());
   return near;
-}
-
-std::string base64(std::string_view bytes) {
-  static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t j = 0; j < 3; ++j)
-      group = group << 8U | (k + j < bytes.size() ? static_cast<std::uint8_t>(bytes[k + j]) : 0U);
-    for (unsigned j = 0; j < 4; ++j) text += k + j > bytes.size() ? '=' : kDigits[group >> (18U - 6U * j) & 63U];
-  }
-  return text;
-}
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
 }
 
 /// 1, 2 or 5 times a power of ten.
@@ -123,7 +91,7 @@ TopView::Crop TopView::used() const {
   return {left, top, right - left + 1, bottom - top + 1};
 }
 
-std::string TopView::png(const Crop& crop) const {
+std::vector<std::uint8_t> TopView::png(const Crop& crop) const {
   constexpr std::array<double, 3> kPaper = {255, 255, 255}, kLevel = {222, 226, 232}, kStanding = {28, 52, 92};
   std::vector<png_byte> pixels;
   pixels.reserve(3 * static_cast<std::size_t>(crop.width) * static_cast<std::size_t>(crop.height));
@@ -147,7 +115,7 @@ std::string TopView::png(const Crop& crop) const {
   image.height = static_cast<png_uint_32>(crop.height);
   image.format = PNG_FORMAT_RGB;
   png_alloc_size_t size = 0;
-  std::string bytes;
+  std::vector<std::uint8_t> bytes;
   // The first call tells the size.
   if (png_image_write_to_memory(&image, nullptr, &size, 0, pixels.data(), 0, nullptr) != 0) {
     bytes.resize(size);
@@ -175,7 +143,7 @@ std::string TopView::svg(const Trajectory& path, const std::string& title) const
                  "height=\"{1:.0f}\" font-family=\"sans-serif\" font-size=\"15\">\n"
                  "<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
                  "<text x=\"{3}\" y=\"22\" fill=\"#111\">{2}</text>\n",
-                 total_width, total_height, escaped(title), kMargin);
+                 total_width, total_height, html_escaped(title), kMargin);
   fmt::format_to(to,
                  "<image x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\" href=\"data:image/png;base64,{}\"/>\n",
                  kMargin, kHeader, width, height, base64(png(crop)));

@@ -27,7 +27,7 @@ class TopView {
     int left = 0, top = 0, width = 1, height = 1;  ///< [pixel], row 0 in the north
   };
   Crop used() const;
-  std::string png(const Crop& crop) const;
+  std::vector<std::uint8_t> png(const Crop& crop) const;
 
   const Ground& ground_;
   Vec2 low_ = Vec2::Zero();   ///< south-west corner [m]
