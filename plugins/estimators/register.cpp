@@ -2,6 +2,7 @@
 #include "estimators/ct_icp.hpp"
 #include "estimators/icp.hpp"
 #include "estimators/ieskf.hpp"
+#include "estimators/pointwise_eskf.hpp"
 
 namespace aslio::plugins {
 
@@ -13,6 +14,8 @@ void register_estimators(plugin::Registry<Estimator>& registry) {
   registry.add<Icp>("icp", "Gauss-Newton registration of one window under a constant velocity, no IMU (KISS-ICP).");
   registry.add<Ieskf>("ieskf",
                       "Iterated error-state Kalman filter over one window with IMU prediction (FAST-LIO2, AS-LIO).");
+  registry.add<PointwiseEskf>("pointwise_eskf",
+                              "Kalman filter with an update per firing, the IMU as a measurement (Point-LIO).");
 }
 
 }  // namespace aslio::plugins
