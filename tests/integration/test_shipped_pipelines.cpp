@@ -20,7 +20,7 @@ struct Bound {
 
 /// Of the published systems, with their inflated noise of the IMU, no more is asked than that they stay whole.
 Bound bound_of(const std::string& name) {
-  const std::vector<std::string> published = {"fast_lio2", "faster_lio"};
+  const std::vector<std::string> published = {"fast_lio2", "faster_lio", "point_lio"};
   const bool wide = std::find(published.begin(), published.end(), name) != published.end();
   return wide ? Bound{0.30, 4.0} : Bound{0.15, 2.0};
 }
