@@ -63,7 +63,7 @@ TEST_CASE("every estimator follows an even motion in a known room") {
   }
 }
 
-TEST_CASE("every estimator: same windows, same bits; a refused step keeps the prior; predict changes nothing") {
+TEST_CASE("every estimator: same windows, same bits, a refused step keeps the prior, predict changes nothing") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.5)};
   for (const std::string& type : estimators()) {
     CAPTURE(type);
