@@ -97,6 +97,13 @@ void Frame::deskew(const WindowTrajectory& trajectory) {
       [&](std::size_t i, const Vec3& p) { body_[i] = p.cast<float>(); });
 }
 
+void Frame::bring_to_imu() {
+  body_.resize(raw_.size());
+  for (std::size_t i = 0; i < raw_.size(); ++i) {
+    body_[i] = (T_imu_lidar_ * Vec3(raw_[i].x, raw_[i].y, raw_[i].z)).cast<float>();
+  }
+}
+
 void Frame::deskew_matches(const WindowTrajectory& trajectory) {
   bring_to_end(
       trajectory, T_imu_lidar_, match_raw_.size(),
@@ -131,19 +138,35 @@ void Frame::list_matches() {
   }
 }
 
-void Frame::place(const WindowTrajectory& trajectory) {
+/// `world_of(point, p_I)` tells p_W.
+template <class WorldOf>
+void Frame::place_each(const WorldOf& world_of) {
   for (auto& list : world_) list.clear();
-  const Pose& end = trajectory.corrected_end();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     if (taps_[i] == 0) continue;
     const TimedPoint& p = raw_[i];
-    const Vec3 p_I = trajectory.in_end(body_[i].cast<double>(), trajectory.share(p.t));
-    const WorldPoint point{end * p_I, p.t,      Eigen::Vector3f(p.x, p.y, p.z).norm(), p.intensity, index_[i],
-                           p.line,    p.feature};
+    const WorldPoint point{world_of(p, body_[i].cast<double>()),
+                           p.t,
+                           Eigen::Vector3f(p.x, p.y, p.z).norm(),
+                           p.intensity,
+                           index_[i],
+                           p.line,
+                           p.feature};
     for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
       if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
     }
   }
+}
+
+void Frame::place(const WindowTrajectory& trajectory) {
+  const Pose& end = trajectory.corrected_end();
+  place_each([&](const TimedPoint& p, const Vec3& p_I) -> Vec3 {
+    return end * trajectory.in_end(p_I, trajectory.share(p.t));
+  });
+}
+
+void Frame::place_along(const TrajectoryModel& trajectory) {
+  place_each([&](const TimedPoint& p, const Vec3& p_I) -> Vec3 { return trajectory.pose(p.t) * p_I; });
 }
 
 }  // namespace aslio::plugins

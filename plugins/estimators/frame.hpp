@@ -18,6 +18,8 @@ class Frame {
   void sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers);
   /// p_I at the end of the window for every kept point (docs/equations.md DSK-1).
   void deskew(const WindowTrajectory& trajectory);
+  /// p_I of every kept point as measured, without de-skew.
+  void bring_to_imu();
   /// Body phase of the chain, then the lists per tap.
   void sample_body(SamplerChain& samplers);
   /// From now on until sample_raw(), every point for the map is one of the match tap, too.
@@ -26,6 +28,8 @@ class Frame {
   void deskew_matches(const WindowTrajectory& trajectory);
   /// World points of every tap, with the correction of the trajectory.
   void place(const WindowTrajectory& trajectory);
+  /// The same for points as measured, each from the pose of its own time.
+  void place_along(const TrajectoryModel& trajectory);
 
   /// Points of the match tap: where deskew() brought them, their range [m] and time.
   std::span<const Vec3> match_body() const { return match_body_; }
@@ -38,6 +42,8 @@ class Frame {
 
   void reserve(std::size_t points);
   void list_matches();
+  template <class WorldOf>
+  void place_each(const WorldOf& world_of);
 
   Pose T_imu_lidar_;
   std::vector<TimedPoint> raw_;

@@ -1,13 +1,21 @@
 #include "aslio/plugin/registry.hpp"
+#include "estimators/ct_icp.hpp"
+#include "estimators/icp.hpp"
 #include "estimators/ieskf.hpp"
+#include "estimators/pointwise_eskf.hpp"
 
 namespace aslio::plugins {
 
 void register_estimators(plugin::Registry<Estimator>& registry);
 
 void register_estimators(plugin::Registry<Estimator>& registry) {
+  registry.add<CtIcp>("ct_icp",
+                      "Elastic registration of one window, begin and end pose unknown (CT-ICP); IMU on demand.");
+  registry.add<Icp>("icp", "Gauss-Newton registration of one window under a constant velocity, no IMU (KISS-ICP).");
   registry.add<Ieskf>("ieskf",
                       "Iterated error-state Kalman filter over one window with IMU prediction (FAST-LIO2, AS-LIO).");
+  registry.add<PointwiseEskf>("pointwise_eskf",
+                              "Kalman filter with an update per firing, the IMU as a measurement (Point-LIO).");
 }
 
 }  // namespace aslio::plugins

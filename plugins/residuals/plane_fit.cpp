@@ -57,6 +57,7 @@ void normals(PlaneBatch& b, const Scatter& s) {
     }
     const double sum = trace - e, product = minors - e * sum;  // of the other two eigenvalues
     const double root = std::sqrt(std::max(0.0, 0.25 * sum * sum - product));
+    b.smallest[i] = e;
     b.largest[i] = 0.5 * sum + root;
     b.middle[i] = 0.5 * sum - root;
     const double xx = s.xx[i] - e, yy = s.yy[i] - e, zz = s.zz[i] - e;

@@ -16,7 +16,7 @@ struct PlaneBatch {
   Row mean_x, mean_y, mean_z;                                         ///< out: centroid
   Row normal_x, normal_y, normal_z;  ///< out: unit normal, up to sign; not a number where there is none
   Row farthest;                      ///< out: largest distance of a neighbour to the plane [m]
-  Row middle, largest;               ///< out: second and largest eigenvalue of the scatter / k [m^2]
+  Row smallest, middle, largest;     ///< out: eigenvalues of the scatter / k [m^2]
 
   /// Least-squares planes of the first `k` neighbours (orthogonal distances): the normal is the eigenvector of the
   /// smallest eigenvalue of the scatter, from the adjugate of (scatter - eigenvalue). Pre: k >= 3.

@@ -24,6 +24,9 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
   b.real("min_spread", p.min_spread, "", {.min = 0.0, .below = 1.0},
          "least ratio of the second to the first standard deviation of the neighbours (collinear ones span no plane)");
   b.real("gate", p.gate, "1/m", {.min = 0.0}, "a row takes part while range > gate * r^2 (0: always)");
+  b.choice("weighting", p.weighting, {{"none", Weighting::none}, {"planarity", Weighting::planarity}},
+           "planes: neighbours: weight of a plane: 1, or how flat its neighbours lie and how near the nearest is "
+           "(CT-ICP)");
   b.choice("kernel", p.kernel, {{"none", Kernel::none}, {"huber", Kernel::huber}, {"cauchy", Kernel::cauchy}},
            "robust weight of large residuals");
   b.real("kernel_width", p.kernel_width, "m", {.above = 0.0}, "residual at which the kernel sets in");
@@ -72,6 +75,13 @@ void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& ne
     if (!spread || !(batch.farthest[lane] <= params_.plane_threshold) || !normal.allFinite()) continue;
     surface.normal = normal;
     surface.anchor = queries[i] + Vec3(batch.mean_x[lane], batch.mean_y[lane], batch.mean_z[lane]);
+    if (params_.weighting == Weighting::planarity) {  // eq. RES-3
+      const double largest = std::sqrt(batch.largest[lane]), middle = std::sqrt(std::max(0.0, batch.middle[lane])),
+                   smallest = std::sqrt(std::max(0.0, batch.smallest[lane]));
+      const double flat = (middle - smallest) / largest;
+      const double nearest = std::sqrt(static_cast<double>(neighbours.squared[i * neighbours.k()]));
+      surface.quality = 0.9 * flat * flat + 0.1 * std::exp(-nearest / (0.3 * static_cast<double>(k)));
+    }
     surface.valid = true;
   }
 }

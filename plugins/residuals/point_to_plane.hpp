@@ -13,6 +13,7 @@ namespace aslio::plugins {
 class PointToPlane final : public Residual {
  public:
   enum class Planes : std::uint8_t { neighbours, map };
+  enum class Weighting : std::uint8_t { none, planarity };
   enum class Kernel : std::uint8_t { none, huber, cauchy };
   struct Params {
     Planes planes = Planes::neighbours;
@@ -21,6 +22,7 @@ class PointToPlane final : public Residual {
     double plane_threshold = 0.1;
     double min_spread = 0.1;
     double gate = 81.0;
+    Weighting weighting = Weighting::none;
     Kernel kernel = Kernel::none;
     double kernel_width = 0.1;
   };

@@ -1,5 +1,6 @@
 #include "aslio/plugin/registry.hpp"
 #include "residuals/point_to_plane.hpp"
+#include "residuals/point_to_point.hpp"
 
 namespace aslio::plugins {
 
@@ -7,6 +8,7 @@ void register_residuals(plugin::Registry<Residual>& registry);
 
 void register_residuals(plugin::Registry<Residual>& registry) {
   registry.add<PointToPlane>("point_to_plane", "Distance to the plane through the nearest neighbours (FAST-LIO2).");
+  registry.add<PointToPoint>("point_to_point", "Vector from the nearest neighbour, with a kernel (KISS-ICP).");
 }
 
 }  // namespace aslio::plugins

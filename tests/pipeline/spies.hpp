@@ -99,6 +99,7 @@ class EstimatorSpy final : public Estimator {
  public:
   EstimatorSpy(std::unique_ptr<Estimator> inner, Observer& o) : inner_(std::move(inner)), observer_(o) {}
   MapContent map_content() const override { return inner_->map_content(); }
+  bool uses_imu() const override { return inner_->uses_imu(); }
   void reset(const InitialState& initial) override { inner_->reset(initial); }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override {
     const Call call(observer_, "update");

@@ -40,6 +40,21 @@ struct Start {
 
 }  // namespace
 
+TEST_CASE("initialisation without IMU: at the first point, whatever the IMU says") {
+  Start start(0.05);
+  REQUIRE_FALSE(initialise_without_imu(stream::MeasurementStream{}));
+  start.stream.leave_imu_out();
+  start.imu(0, 0.2, 0.005, kUp);
+  CHECK(start.stream.counters().imu == 0);
+  CHECK(start.stream.imu_until() == kTimeMax);
+  const auto found = initialise_without_imu(start.stream);
+  REQUIRE(found);
+  CHECK(found->initial.state.t == kEpoch + to_ns(0.05) - 1);
+  CHECK(found->initial.state.R == Mat3::Identity());
+  CHECK(found->initial.state.p == Vec3::Zero());
+  CHECK_THAT(found->verdict, Contains("without IMU"));
+}
+
 TEST_CASE("initialisation: at rest the mean rate is the gyro bias") {  // eq. INI-2
   const Vec3 bias(0.004, -0.006, 0.002);
   const auto found = Start().imu(0, 0.2, 0.005, kUp, bias).run();

@@ -185,7 +185,8 @@ struct Published {
   const char* pipeline;
   double ate_m, cost;
 };
-constexpr Published kFastLio2{"fast_lio2", 0.0775, 0.0245}, kFasterLio{"faster_lio", 0.0525, 0.0255};
+constexpr Published kFastLio2{"fast_lio2", 0.0775, 0.0245}, kFasterLio{"faster_lio", 0.0525, 0.0255},
+    kPointLio{"point_lio", 0.0663, 0.086};
 
 void check_published(const Published& system) {
   const RecordedRun run = run_on_avia(system.pipeline);
@@ -205,5 +206,7 @@ void check_published(const Published& system) {
 TEST_CASE("fast_lio2 does as well as the published program and costs half of it") { check_published(kFastLio2); }
 
 TEST_CASE("faster_lio does as well as the published program and costs half of it") { check_published(kFasterLio); }
+
+TEST_CASE("point_lio does as well as the published program and costs half of it") { check_published(kPointLio); }
 
 }  // namespace aslio::test

@@ -117,4 +117,16 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   return out;
 }
 
+std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream) {
+  const auto first_point = stream.first_point();
+  if (!first_point) return std::nullopt;
+  Initialisation out;
+  out.initial.state.t = *first_point - 1;  // the first window holds the first point
+  out.initial.mode = InitialMode::dynamic_start;
+  out.initial.sigma_tilt = std::numbers::pi;
+  out.initial.sigma_velocity = 3.0;
+  out.verdict = "start without IMU: the world has the axes of the IMU at the first point";
+  return out;
+}
+
 }  // namespace aslio::pipeline

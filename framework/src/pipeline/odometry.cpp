@@ -31,7 +31,9 @@ class Odometry::Loop {
         insertion_(std::move(stages.insertion)),
         estimator_(std::move(stages.estimator)),
         probe_(stream_, *estimator_, *overlaps_, context.sensor),
-        tracking_(config.max_speed, config.max_silence) {}
+        tracking_(config.max_speed, config.max_silence) {
+    if (!estimator_->uses_imu()) stream_.leave_imu_out();
+  }
 
   void run_available() {
     if (!started() && !start()) return;
@@ -98,7 +100,8 @@ class Odometry::Loop {
   bool started() const { return initialisation_.has_value(); }
 
   bool start() {
-    initialisation_ = initialise(stream_, config_.initialisation, sensor_);
+    initialisation_ = estimator_->uses_imu() ? initialise(stream_, config_.initialisation, sensor_)
+                                             : initialise_without_imu(stream_);
     if (!started()) return false;
     estimator_->reset(initialisation_->initial);
     feedback_.t = initialisation_->initial.state.t;

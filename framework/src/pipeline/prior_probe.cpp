@@ -6,7 +6,11 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   constexpr std::size_t kMostPoints = 2000;  // enough for a share to 1 %
   const NavState& from = estimator_.state();
   points_.clear();
-  if (!stream_.imu_covering(from.t, t, imu_)) return {};
+  if (!estimator_.uses_imu()) {
+    imu_ = {{.t = from.t}, {.t = t}};
+  } else if (!stream_.imu_covering(from.t, t, imu_)) {
+    return {};
+  }
   const Pose begin = from.pose();
   const Pose end = estimator_.predict(imu_).pose();
   const auto raw = stream_.points(from.t, t);

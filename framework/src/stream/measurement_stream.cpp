@@ -75,6 +75,7 @@ void MeasurementStream::note_sweeps(std::span<const TimedPoint> points) {
 }
 
 void MeasurementStream::push(const ImuSample& sample) {
+  if (imu_left_out_) return;
   if (!sample.gyro.allFinite() || !sample.acc.allFinite() || !sane_stamp(sample.t)) {
     ++counters_.imu_invalid;
     return;
@@ -168,7 +169,7 @@ TimeNs MeasurementStream::points_until() const {
   return last_point_ == kTimeMin ? kTimeMin : last_point_ - 1;
 }
 
-TimeNs MeasurementStream::imu_until() const { return finished_ ? kTimeMax : last_imu_; }
+TimeNs MeasurementStream::imu_until() const { return finished_ || imu_left_out_ ? kTimeMax : last_imu_; }
 TimeNs MeasurementStream::last_point() const { return last_point_; }
 TimeNs MeasurementStream::last_imu() const { return last_imu_; }
 

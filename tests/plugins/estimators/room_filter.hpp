@@ -1,5 +1,5 @@
 #pragma once
-/// The filter `ieskf` in the room of room.hpp.
+/// An estimator, `ieskf` unless the first override names another, in the room of room.hpp.
 
 #include <memory>
 #include <string>
@@ -32,7 +32,9 @@ struct Filter {
                   bool imu_is_known = false, const Vec3& gravity = Vec3(0, 0, -kStandardGravity)) {
     environment.sensor.T_imu_lidar = Pose{};
     // Defaults, whatever the shipped files are tuned to.
-    std::vector<std::string> all = {"estimator={type: ieskf}", "map={type: voxel_hash}"};
+    std::vector<std::string> all = {"map={type: voxel_hash}"};
+    const bool other = !overrides.empty() && overrides.front().starts_with("estimator=");
+    if (!other) all.emplace_back("estimator={type: ieskf}");
     all.insert(all.end(), overrides.begin(), overrides.end());
     const pipeline::PipelineConfig config = shipped("as_lio", all);
     estimator = config.estimator.make(environment.context());

@@ -209,6 +209,25 @@ TEST_CASE("gate, kernels and quality weigh a row") {  // eq. RES-1
   REQUIRE(information(params, 0.1, 1.0F) == Approx(25.0));
 }
 
+TEST_CASE("planes weigh by how flat their neighbours lie and how near they are") {  // eq. RES-3
+  test::BuildEnvironment environment;
+  PointToPlane residual({.k = 8, .plane_threshold = 1.0, .weighting = PointToPlane::Weighting::planarity},
+                        environment.context());
+  Random random(11);
+  for (const double noise : {0.0, 0.05, 0.2}) {
+    Batch batch(8);
+    batch.add(Vec3(1, 2, 3), patch(random, random.direction(), 8, noise));
+    batch.neighbours.squared.assign(8, 0.25F);
+    const Surface surface = batch.fit(residual)[0];
+    REQUIRE(surface.valid);
+    const Eigen::Matrix3Xd centred = batch.offsets(0).colwise() - batch.offsets(0).rowwise().mean();
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(centred * centred.transpose() / 8.0);
+    const Vec3 deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending
+    const double flat = (deviation[1] - deviation[0]) / deviation[2];
+    CHECK(surface.quality == Approx(0.9 * flat * flat + 0.1 * std::exp(-0.5 / (0.3 * 8))).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("an invalid surface gives a row without information") {
   test::BuildEnvironment environment;
   PointToPlane residual({}, environment.context());

@@ -32,4 +32,7 @@ struct Initialisation {
 std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,
                                          const SensorModel& sensor);
 
+/// The initial state for an estimator without IMU: at the first point, in the origin of W, the axes of W those of I.
+std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream);
+
 }  // namespace aslio::pipeline

@@ -94,11 +94,15 @@ class Estimator : public Stage {
   static constexpr std::string_view family = "estimators";
   /// What its map has to hold.
   virtual MapContent map_content() const { return MapContent::points; }
+  /// Whether it takes IMU data. If not, no stage sees any: windows do not wait for it, Window::imu is empty, and the
+  /// first state is that of the first point, at rest in the origin of W with the axes of I.
+  virtual bool uses_imu() const { return true; }
   virtual void reset(const InitialState& initial) = 0;
   virtual const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) = 0;
   /// Posterior state of the last update.
   virtual const NavState& state() const = 0;
-  /// Prediction from the last posterior over `imu` (first sample at the state's time), without changing anything.
+  /// Prediction from the last posterior over `imu` (first sample at the state's time), without changing anything. An
+  /// estimator without IMU takes nothing but the time of the last sample.
   virtual NavState predict(std::span<const ImuSample> imu) const = 0;
 };
 

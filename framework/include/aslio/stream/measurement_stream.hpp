@@ -47,6 +47,8 @@ class MeasurementStream final : public StreamView {
   void push(const ImuSample& sample);
   /// No more data: *_until() become kTimeMax.
   void finish();
+  /// Nobody takes IMU data: it is not waited for, and what is pushed is dropped.
+  void leave_imu_out() { imu_left_out_ = true; }
 
   /// The window of a plan: spans into the stream, IMU interpolated at both ends (held where IMU data is missing).
   /// Valid until the next push(), release() or cut().
@@ -112,6 +114,7 @@ class MeasurementStream final : public StreamView {
   TimeNs start_ = kTimeMin;  ///< released before the first cut: no window reaches back to it
   std::uint32_t next_index_ = 0;
   bool finished_ = false;
+  bool imu_left_out_ = false;
   StreamCounters counters_;
 };
 

@@ -1,0 +1,88 @@
+#include "estimators/point_matches.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace aslio::plugins {
+
+std::array<double, 6> pose_spectrum(const Mat6& A) {
+  constexpr double lever_arm = 5.0;  // [m]
+  Vec6 scale;
+  scale << Vec3::Constant(1.0 / lever_arm), Vec3::Ones();
+  const Mat6 scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
+  std::array<double, 6> out{};
+  for (int i = 0; i < 6; ++i) out[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
+  return out;
+}
+
+void PointMatches::reserve(std::size_t points, const Residual& residual) {
+  if (points <= body.capacity()) return;
+  points *= 2;  // windows vary with what is in view: one that is twice as full needs no memory
+  const auto k = static_cast<std::size_t>(residual.query().k);
+  body.reserve(points);
+  world.reserve(points);
+  range.reserve(points);
+  weight.reserve(points);
+  surfaces.reserve(points);
+  rows.reserve(points * static_cast<std::size_t>(residual.rows_per_match()));
+  neighbours.count.reserve(points);
+  neighbours.offsets.reserve(points * k);
+  neighbours.squared.reserve(points * k);
+}
+
+void PointMatches::place(const Pose& T) {
+  world.resize(body.size());
+  for (std::size_t i = 0; i < body.size(); ++i) world[i] = T * body[i];
+}
+
+void PointMatches::associate(const Map& map, Residual& residual, std::uint32_t max_stamp) {
+  surfaces.resize(body.size());
+  MapQuery query = residual.query();
+  query.max_stamp = max_stamp;
+  if (residual.surfaces_from_map()) return map.surfaces(world, query, surfaces);
+  map.correspond(world, query, neighbours);
+  residual.fit(world, neighbours, surfaces);
+}
+
+void PointMatches::evaluate(Residual& residual, double sigma) {
+  rows.resize(body.size() * static_cast<std::size_t>(residual.rows_per_match()));
+  residual.evaluate(world, range, surfaces, sigma, rows);
+}
+
+void PointMatches::load(const HistorySelection& past, const Pose& prior) {
+  const Pose I_from_W = prior.inverse();
+  const std::size_t n = past.points.size();
+  body.resize(n);
+  range.resize(n);
+  weight.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    body[i] = I_from_W * past.points[i].p_W;
+    range[i] = past.points[i].range;
+    weight[i] = past.points[i].age_weight;
+  }
+}
+
+std::size_t PointMatches::record(std::size_t rows_per_match, std::vector<MatchRecord>& out, double& rms) const {
+  out.assign(body.size(), MatchRecord{});
+  double squares = 0;
+  std::size_t accepted = 0;
+  for (std::size_t i = 0; i < body.size(); ++i) {
+    double own = 0, last = 0;
+    for (std::size_t row = i * rows_per_match; row < (i + 1) * rows_per_match; ++row) {
+      if (rows[row].information <= 0.0) continue;
+      out[i].accepted = true;
+      own += rows[row].r * rows[row].r;
+      last = rows[row].r;
+    }
+    if (!out[i].accepted) continue;
+    // One row is signed; several are the components of a vector.
+    out[i].residual = static_cast<float>(rows_per_match == 1 ? last : std::sqrt(own));
+    squares += own;
+    ++accepted;
+  }
+  rms = accepted > 0 ? std::sqrt(squares / static_cast<double>(accepted)) : 0.0;
+  return accepted;
+}
+
+}  // namespace aslio::plugins

@@ -1,0 +1,37 @@
+#pragma once
+/// Points of one class (fresh or history) and what they match in the map, over the iterations of a registration.
+
+#include <span>
+#include <vector>
+
+#include "aslio/stages/estimator.hpp"
+
+namespace aslio::plugins {
+
+/// Eigenvalues of the pose information A (theta, p), ascending, a rotation counted at a lever arm of 5 m, so that all
+/// are 1/m^2. eq. IESKF-7.
+std::array<double, 6> pose_spectrum(const Mat6& A);
+
+struct PointMatches {
+  std::vector<Vec3> body, world;  ///< at the end of the window; where the iterate places them
+  std::vector<float> range;       ///< |p_L| [m]
+  std::vector<double> weight;     ///< factor on the information of each point; empty: 1
+  Neighbours neighbours;
+  std::vector<Surface> surfaces;
+  std::vector<ResidualRow> rows;  ///< Residual::rows_per_match() for each point
+
+  /// Room for `points`; no allocation while they do not double.
+  void reserve(std::size_t points, const Residual& residual);
+  /// What the points match at `world`.
+  void associate(const Map& map, Residual& residual, std::uint32_t max_stamp);
+  /// Rows at `world`.
+  void evaluate(Residual& residual, double sigma);
+  /// World points of the frame at pose `T`.
+  void place(const Pose& T);
+  /// The points of a history, seen from `prior`; they keep their place in it (eq. HIS-1).
+  void load(const HistorySelection& past, const Pose& prior);
+  /// Matches with a row that takes part, and the root mean square of |r| over them [m].
+  std::size_t record(std::size_t rows_per_match, std::vector<MatchRecord>& out, double& rms) const;
+};
+
+}  // namespace aslio::plugins

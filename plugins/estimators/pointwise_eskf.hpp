@@ -1,0 +1,98 @@
+#pragma once
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "estimators/frame.hpp"
+#include "estimators/initial_covariance.hpp"
+#include "estimators/knot_trajectory.hpp"
+#include "estimators/pointwise_state.hpp"
+
+namespace aslio::plugins {
+
+/// Error-state Kalman filter that takes points and IMU samples in the order of time, one update per firing, so that
+/// nothing needs de-skewing (He et al., Point-LIO, 2023). Angular rate and specific force are states; the IMU measures
+/// them, and an axis at the limit of its range tells nothing. Old points of the window take no part: each point counts
+/// at its own moment. The window decides when points are taken in and enter the map, not when the state is updated
+/// (docs/equations.md PTW-1 to PTW-5). Update::states has a state per firing.
+class PointwiseEskf final : public Estimator {
+ public:
+  using Gravity = EstimatedStates::Gravity;
+
+  struct Params {
+    Gravity gravity = Gravity::s2;
+    double sigma = 0.1;
+    PointwiseNoise noise;
+    double gyro_variance = 0.1;
+    double acc_variance = 0.1;
+    double gyro_saturation = 35.0;
+    double acc_saturation = 3 * kStandardGravity;
+    double imu_step = 0.01;
+    double covariance_step = 0.01;
+    std::int64_t min_matches = 20;
+    double degenerate_sigma = 0.05;
+    config::Nested<Residual> residual{"point_to_plane"};
+  };
+  static void describe(config::Binder& b, Params& p);
+  PointwiseEskf(const Params& params, const BuildContext& context);
+
+  MapContent map_content() const override {
+    return residual_->surfaces_from_map() ? MapContent::surfaces : MapContent::points;
+  }
+  void reset(const InitialState& initial) override;
+  const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
+  const NavState& state() const override { return state_; }
+  NavState predict(std::span<const ImuSample> imu) const override;
+
+ private:
+  /// Filter and time to which its covariance has been carried.
+  struct Belief {
+    PointwiseState x;
+    pointwise::Matrix P = pointwise::Matrix::Zero();
+    TimeNs covariance_t = 0;
+  };
+
+  void sample(const Window& window, const StepContext& context);
+  void doubt(double sigma_velocity);
+  void find_velocity_alone(const PointwiseState& begin);
+  void load_imu(std::span<const ImuSample> imu);
+  void follow(const Window& window, const Map* map);
+  void advance(TimeNs t);
+  void carry_covariance();
+  void correct(const SequentialUpdate& update);
+  void mark();
+  void take_imu(const ImuSample& sample);
+  void take_points(std::size_t begin, std::size_t end, const Map& map);
+  void accept(const PointwiseState& begin);
+  void refuse(UpdateStatus status);
+  bool dead_reckoning_is_good() const;
+  void remember_accepted();
+  void finish();
+
+  Params params_;
+  std::unique_ptr<Residual> residual_;
+
+  InitialState initial_;
+  int velocity_windows_ = 0;  ///< accepted windows of a dynamic start
+  Belief now_;
+  NavState state_;
+  TimeNs accepted_t_ = kTimeMin;
+  double accepted_position_variance_ = 0, accepted_tilt_variance_ = 0;
+
+  Frame frame_;
+  KnotTrajectory trajectory_;
+  // Of one firing.
+  std::vector<Vec3> world_;
+  std::vector<Surface> surfaces_;
+  std::vector<ResidualRow> rows_;
+  std::vector<Vec6> row_slopes_;
+  Neighbours neighbours_;
+  // Of the window.
+  std::vector<ImuSample> imu_;
+  Mat6 information_ = Mat6::Zero();
+  double nis_sum_ = 0;
+  std::vector<NavState> states_;
+  std::vector<MatchRecord> records_;
+  Update result_;
+};
+
+}  // namespace aslio::plugins

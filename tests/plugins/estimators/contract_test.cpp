@@ -1,0 +1,107 @@
+// What every registered estimator owes the loop, with its defaults.
+#include <catch2/catch.hpp>
+
+#include "plugins/estimators/room_filter.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+
+namespace {
+
+constexpr TimeNs kTenth = kSecond / 10;
+
+std::vector<std::string> estimators() { return built_in_stages().types(Estimator::family); }
+
+Filter made(const std::string& type) { return Filter({"estimator={type: " + type + "}"}); }
+
+void check_result(const Update& update, const RoomWindow& room) {
+  CHECK(update.state.t == room.window.plan.end);
+  CHECK(update.matches.size() == update.match_points.size());
+  REQUIRE(update.trajectory != nullptr);
+  CHECK((update.trajectory->pose(update.state.t).p - update.state.p).norm() < 1e-9);
+  REQUIRE_FALSE(update.states.empty());
+  CHECK(update.states.back().p == update.state.p);
+  CHECK(update.P.allFinite());
+  for (const WorldPoint& point : update.map_points) REQUIRE(point.p_W.allFinite());
+}
+
+}  // namespace
+
+TEST_CASE("every estimator: with an empty map it waits, and places its points at the prior") {
+  for (const std::string& type : estimators()) {
+    CAPTURE(type);
+    Filter filter = made(type);
+    const RoomWindow room(kRoomEpoch, kTenth, Pose{}, 1);
+    const Update& update = filter.update(room);
+    CHECK(update.status == UpdateStatus::initialising);
+    CHECK_FALSE(update.accepted);
+    CHECK(update.insert);
+    CHECK(update.map_points.size() == 1000);
+    CHECK((update.state.p - update.prior.p).norm() == 0.0);
+    check_result(update, room);
+  }
+}
+
+TEST_CASE("every estimator follows an even motion in a known room") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.5), .drift = Vec3(0.4, 0.2, 0)};
+  for (const std::string& type : estimators()) {
+    CAPTURE(type);
+    Filter filter({"estimator={type: " + type + "}"}, 3.0);
+    filter.build_map(1);
+    for (std::uint32_t k = 0; k < 15; ++k) {
+      const TimeNs end = kRoomEpoch + (k + 1) * kTenth;
+      const RoomWindow room(end - kTenth, kTenth, motion, k + 2);
+      const Update& update = filter.update(room);
+      CAPTURE(k);
+      REQUIRE(update.accepted);
+      check_result(update, room);
+      if (k < 5) continue;
+      CHECK((update.state.p - motion.at(end).p).norm() < 0.03);
+      CHECK(log_so3(update.state.R.transpose() * motion.at(end).R).norm() < 0.01);
+      CHECK((update.state.v - motion.drift).norm() < 0.3);
+    }
+  }
+}
+
+TEST_CASE("every estimator: same windows, same bits, a refused step keeps the prior, predict changes nothing") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.5)};
+  for (const std::string& type : estimators()) {
+    CAPTURE(type);
+    std::vector<std::uint64_t> digests[2];
+    for (auto& run : digests) {
+      Filter filter = made(type);
+      filter.build_map(1);
+      for (std::uint32_t k = 0; k < 4; ++k) {
+        const RoomWindow room(kRoomEpoch + k * kTenth, kTenth, motion, k + 2);
+        const NavState before = filter.estimator->state();
+        filter.estimator->predict(room.imu);
+        CHECK(pipeline::state_digest(filter.estimator->state()) == pipeline::state_digest(before));
+        run.push_back(pipeline::state_digest(filter.update(room).state));
+      }
+      const RoomWindow thin(kRoomEpoch + 4 * kTenth, kTenth, motion, 6, 2);
+      const Update& refused = filter.update(thin);
+      CHECK_FALSE(refused.accepted);
+      CHECK(refused.status == UpdateStatus::few_matches);
+      CHECK(refused.state.p == refused.prior.p);
+      CHECK(refused.state.R == refused.prior.R);
+    }
+    CHECK(digests[0] == digests[1]);
+  }
+}
+
+TEST_CASE("every estimator: the trajectory's Jacobian agrees with itself at its end") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.5)};
+  for (const std::string& type : estimators()) {
+    CAPTURE(type);
+    Filter filter = made(type);
+    filter.build_map(1);
+    const RoomWindow room(kRoomEpoch, kTenth, motion, 2);
+    const Update& update = filter.update(room);
+    Eigen::MatrixXd jacobian;
+    update.trajectory->jacobian(room.window.plan.end, jacobian);
+    REQUIRE(jacobian.rows() == 6);
+    REQUIRE(jacobian.cols() == update.trajectory->dof());
+    // The last six unknowns are the pose at the end.
+    CHECK((jacobian.rightCols<6>() - Mat6::Identity()).norm() < 1e-9);
+  }
+}
