@@ -79,7 +79,7 @@ TEST_CASE("axes make a grid over all methods, the last axis fastest") {
       files.load(head() + kData + "methods:\n" + method("fixed", "fixed_window") + method("as_lio", "as_lio") +
                  "vary:\n  - {path: overlap.voxel, values: [0.1, 0.2]}\n"
                  "  - {path: estimator.noise, values: [fastlio, physical]}\n"
-                 "baseline: fixed\n");
+                 "baseline: fixed\ndiffers: [window, history]\n");
   CHECK(names(study.methods) ==
         std::vector<std::string>{"fixed_voxel_0.1_noise_fastlio", "fixed_voxel_0.1_noise_physical",
                                  "fixed_voxel_0.2_noise_fastlio", "fixed_voxel_0.2_noise_physical",
@@ -218,24 +218,31 @@ TEST_CASE("a comparison may differ in what the study names, and in nothing else"
   const StudyFiles files;
   const std::string fixed = head() + kData + "baseline: fixed\nmethods:\n" + method("fixed", "fixed_window");
   // By `set`, of the same pipeline: named by itself.
-  CHECK(files.load(fixed + method("slow", "fixed_window", "set: {window.period: 0.2}")).warnings.empty());
-  // By another pipeline file: told, with the line that says it.
-  const Study study = files.load(fixed + method("other", "as_lio"));
-  REQUIRE(study.warnings.size() == 1);
-  CHECK_THAT(study.warnings[0],
-             Contains("other is compared with fixed") && Contains("differs: [") && Contains("window"));
-  // Stated, but not all of it.
-  const std::string complaint = files.complaint(fixed + method("other", "as_lio", "differs: [window]"));
-  INFO(complaint);
-  CHECK_THAT(complaint, Contains("study.yaml:9:") && Contains("'other' differs from the baseline 'fixed'") &&
-                            Contains("history") && Contains("or add them to `differs`") && !Contains("window"));
-  // Stated in full.
-  const auto keys = unnamed_keys(study.methods[1], study.methods[0]);
-  std::string all;
-  for (const std::string& key : keys) all += (all.empty() ? "" : ", ") + key;
-  const Study stated = files.load(fixed + method("other", "as_lio", "differs: [" + all + "]"));
-  CHECK(stated.warnings.empty());
-  CHECK(
-      files.load(fixed + method("other", "as_lio") + "differs: [" + all + "]\n").warnings.empty());  // for all methods
+  CHECK(files.complaint(fixed + method("slow", "fixed_window", "set: {window.period: 0.2}")).empty());
+  // By another pipeline file, whether nothing or not all of it is stated: refused, with the line that says it.
+  for (const char* stated : {"", "differs: [window]"}) {
+    const std::string complaint = files.complaint(fixed + method("other", "as_lio", stated));
+    INFO(complaint);
+    CHECK_THAT(complaint, Contains("study.yaml:9:") && Contains("'other' differs from the baseline 'fixed'") &&
+                              Contains("or say so: differs: [") && Contains("history"));
+    CHECK((complaint.find("window") == std::string::npos) == (*stated != '\0'));
+  }
+  // Stated in full, by the method or for all of them.
+  const std::string all = "differs: [window, history]";
+  const Study stated = files.load(fixed + method("other", "as_lio", all));
   CHECK(unnamed_keys(stated.methods[1], stated.methods[0]).empty());
+  CHECK(files.complaint(fixed + method("other", "as_lio") + all + "\n").empty());
+}
+
+TEST_CASE("a method may have a baseline of its own") {
+  const StudyFiles files;
+  const std::string start = head() + kData + "baseline: fixed\nmethods:\n" + method("fixed", "fixed_window") +
+                            method("as_lio", "as_lio", "differs: [window, history]");
+  const std::string own = method("hard", "as_lio", "set: {window.seg_step: 0.2}, baseline: as_lio");
+  const Study study = files.load(start + own);
+  CHECK(study.baseline == std::vector<std::optional<std::size_t>>{std::nullopt, 0, 1});
+  const Study varied = files.load(start + own + "vary: [{path: overlap.voxel, values: [0.1, 0.2]}]\n");
+  CHECK(varied.baseline[5] == 3);  // at the same values
+  CHECK_THAT(files.complaint(start + method("hard", "as_lio", "set: {window.seg_step: 0.2}, baseline: aslio")),
+             Contains("study.yaml:10:") && Contains("'baseline' names no method: 'aslio'"));
 }

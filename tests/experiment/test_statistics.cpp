@@ -23,12 +23,12 @@ StudyRow row(double ate, const std::string& status = "ok") {
 /// Two sequences of four seeds, methods fixed (the baseline), other and third.
 struct Fixture {
   StudyFiles files;
-  Study study =
-      files.load(head() +
-                 "datasets:\n  - {scene: scene_a.yaml, seeds: 1-4, name: a}\n"
-                 "  - {scene: scene_b.yaml, seeds: 1-4, name: b}\nmethods:\n" +
-                 method("fixed", "fixed_window") + method("other", "as_lio") +
-                 method("third", "as_lio", "set: {window.seg_step: 0.2}") + "baseline: fixed\nmetrics: [ate_m]\n");
+  Study study = files.load(head() +
+                           "datasets:\n  - {scene: scene_a.yaml, seeds: 1-4, name: a}\n"
+                           "  - {scene: scene_b.yaml, seeds: 1-4, name: b}\nmethods:\n" +
+                           method("fixed", "fixed_window") + method("other", "as_lio") +
+                           method("third", "as_lio", "set: {window.seg_step: 0.2}") +
+                           "baseline: fixed\ndiffers: [window, history]\nmetrics: [ate_m]\n");
   std::vector<StudyRun> runs = plan_runs(study, "program");
   Rows rows;
 

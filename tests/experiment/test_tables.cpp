@@ -23,7 +23,7 @@ Study two_methods(const StudyFiles& files) {
                     "datasets:\n  - {scene: scene_a.yaml, seeds: 1-3, name: a}\n"
                     "  - {scene: scene_b.yaml, seeds: 1-3, name: b}\nmethods:\n" +
                     method("fixed", "fixed_window") + method("other", "as_lio") +
-                    "baseline: fixed\nmetrics: [ate_m, updates]\n");
+                    "baseline: fixed\ndiffers: [window, history]\nmetrics: [ate_m, updates]\n");
 }
 
 }  // namespace

@@ -148,7 +148,6 @@ int run_experiment(const Arguments& a) {
   for (const std::string& plugin : a.plugins) {
     options.run_options.insert(options.run_options.end(), {"--plugin", plugin});
   }
-  for (const std::string& warning : study.warnings) tell("warning: " + warning);
   if (a.dry_run) {
     print_plan(study, options);
     return kSuccess;

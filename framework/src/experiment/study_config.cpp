@@ -80,6 +80,7 @@ void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
   b.tree("set", method.set,
          "dotted paths with the values to set there; {run:NAME} in a text is the folder of that method's run over the "
          "same data, {data} the folder in the output where truth and overlap of simulated data stay");
+  b.text("baseline", method.baseline, "method to compare it with; empty: that of the study");
   b.texts("differs", method.differs, {},
           "keys or blocks in which the method may differ from the baseline, besides those of `set`; nothing else may");
   b.require(!method.name.empty(), "name", "is required");
@@ -98,7 +99,7 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.groups("vary", study.vary, "axes: every method is run at every combination of their points");
   b.reals("order_seeds", study.order_seeds, 0, "", {.min = 0.0, .max = kMostSeed},
           "seeds of `aslio run`: replicates over the same data");
-  b.text("baseline", study.baseline, "method to compare the others with; empty: none");
+  b.text("baseline", study.baseline, "method to compare the others with, where they name no other; empty: none");
   b.texts("differs", study.differs, {}, "keys or blocks in which every method may differ from the baseline");
   b.texts("metrics", study.metrics, study_metrics(), "figures that tables show");
   b.texts("outputs", study.outputs, {"dense", "map", "world"},

@@ -298,39 +298,34 @@ class Reader {
   }
 
   void find_baselines() {
-    const std::string& name = study_.config.baseline;
     study_.baseline.assign(study_.methods.size(), std::nullopt);
-    if (name.empty() || problems_.size() > 0) return;
-    bool any = false;
+    if (problems_.size() > 0) return;
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      const std::size_t entry = study_.methods[i].entry;
+      const std::string& own = study_.config.methods[entry].baseline;
+      const std::string& name = own.empty() ? study_.config.baseline : own;
+      if (name.empty()) continue;
       const auto base = find_variant(name, study_.methods[i].axes);
-      any = any || base;
-      if (!base || *base == i) continue;
+      if (!base) {
+        problems_.add(own.empty() ? root_.find("baseline")->value.at() : place("methods", entry, "baseline"),
+                      fmt::format("'baseline' names no method: '{}'; there are: {}", name, names_so_far()));
+        return;
+      }
+      if (*base == i) continue;
       study_.baseline[i] = base;
       require_named_differences(study_.methods[i], study_.methods[*base]);
     }
-    if (any) return;
-    problems_.add(root_.find("baseline")->value.at(),
-                  fmt::format("'baseline' names no method: '{}'; there are: {}", name, names_so_far()));
   }
 
-  /// A comparison is fair where the study says what is compared. A method from another pipeline file without `differs`
-  /// is told, since the file names it; with `differs`, or from the same file, nothing else may differ.
+  /// A comparison is fair where the study says what is compared.
   void require_named_differences(const StudyMethod& method, const StudyMethod& baseline) {
     const std::vector<std::string> unnamed = unnamed_keys(method, baseline);
     if (unnamed.empty()) return;
-    const std::string keys = fmt::format("{}", fmt::join(unnamed, ", "));
-    if (method.differs.empty() && method.pipeline != baseline.pipeline) {
-      study_.warnings.push_back(
-          fmt::format("{} is compared with {}, and the study does not say what they differ in: differs: [{}]",
-                      method.name, baseline.name, keys));
-      return;
-    }
     problems_.add(
         place("methods", method.entry, "differs"),
-        fmt::format("'{}' differs from the baseline '{}' in what the study does not name: {}; set them alike, "
-                    "or add them to `differs`",
-                    method.name, baseline.name, keys));
+        fmt::format("'{}' differs from the baseline '{}' in what the study does not name; set these alike, or say so: "
+                    "differs: [{}]",
+                    method.name, baseline.name, fmt::join(unnamed, ", ")));
   }
 
   const config::StageLookup& stages_;

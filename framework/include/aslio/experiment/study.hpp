@@ -31,6 +31,7 @@ struct StudyDataConfig {
 /// One entry of `methods`.
 struct StudyMethodConfig {
   std::string name, pipeline;
+  std::string baseline;              ///< its own; empty: that of the study
   config::Node set;                  ///< map of dotted paths to values
   std::vector<std::string> differs;  ///< keys and blocks
   static void describe(config::Binder& b, StudyMethodConfig& method);
@@ -103,8 +104,7 @@ struct Study {
   std::vector<std::uint64_t> order_seeds;
   /// By method: the one to compare it with, if any. A baseline with axes: the variant at the same values.
   std::vector<std::optional<std::size_t>> baseline;
-  std::string resolved;               ///< YAML with every key at its effective value
-  std::vector<std::string> warnings;  ///< what is allowed and should not be
+  std::string resolved;  ///< YAML with every key at its effective value
 };
 
 /// Keys in which the resolved pipelines differ.
