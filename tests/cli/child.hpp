@@ -1,5 +1,5 @@
 #pragma once
-/// The `aslio` program as a child process, a folder that goes away, and small recordings to feed it.
+/// The `aslio` program as a child process, and small recordings to feed it.
 
 #include <sys/types.h>
 
@@ -7,6 +7,8 @@
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "temporary_folder.hpp"
 
 namespace aslio::test {
 
@@ -29,20 +31,6 @@ Ended run_aslio_to(const std::string& out, const std::vector<std::string>& argum
 
 /// The same where no file may grow beyond `bytes`: what a full disk does to a writer.
 Ended run_aslio_with_file_limit(const std::vector<std::string>& arguments, std::size_t bytes);
-
-/// A new folder, removed with everything in it at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::string content(const std::filesystem::path& file);
 void write_text(const std::filesystem::path& file, const std::string& text);

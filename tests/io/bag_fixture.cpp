@@ -10,18 +10,16 @@
 
 namespace aslio::io::test {
 
-TemporaryFolder::TemporaryFolder() {
-  // Thousands of small files: in memory where there is a place for it.
+namespace {
+
+std::filesystem::path quick_folder() {
   const std::filesystem::path memory = "/dev/shm";
-  const bool usable = ::access(memory.c_str(), W_OK) == 0;
-  std::string name = ((usable ? memory : std::filesystem::temp_directory_path()) / "aslio-io-XXXXXX").string();
-  path_ = ::mkdtemp(name.data());
+  return ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
 }
 
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() : aslio::test::TemporaryFolder(quick_folder()) {}
 
 std::vector<std::uint8_t> livox_message(TimeNs stamp, TimeNs timebase, int points) {
   std::vector<rosbag::LivoxPoint> cloud;

@@ -11,21 +11,15 @@
 #include "aslio/io/rosbag/reader.hpp"
 #include "aslio/io/rosbag/writer.hpp"
 #include "aslio/io/source.hpp"
+#include "temporary_folder.hpp"
 
 namespace aslio::io::test {
 
-/// A folder of its own, removed at the end.
-class TemporaryFolder {
+/// A folder of its own, removed at the end; in memory where there is a place for it, since these tests write thousands
+/// of small files.
+class TemporaryFolder : public aslio::test::TemporaryFolder {
  public:
   TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
 };
 
 inline constexpr TimeNs kStart = 1'600'000'000 * kSecond;
