@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "residuals/plane_fit.hpp"
 
@@ -24,6 +25,8 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
   b.real("min_spread", p.min_spread, "", {.min = 0.0, .below = 1.0},
          "least ratio of the second to the first standard deviation of the neighbours (collinear ones span no plane)");
   b.real("gate", p.gate, "1/m", {.min = 0.0}, "a row takes part while range > gate * r^2 (0: always)");
+  b.optional_real("max_residual", p.max_residual, "m", {.above = 0.0, .max = 100.0}, "any",
+                  "a row takes part while |r| is at most this, whatever the range");
   b.choice("weighting", p.weighting, {{"none", Weighting::none}, {"planarity", Weighting::planarity}},
            "planes: neighbours: weight of a plane: 1, or how flat its neighbours lie and how near the nearest is "
            "(CT-ICP)");
@@ -102,6 +105,7 @@ double PointToPlane::weight(double r) const {
 void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> range,
                             std::span<const Surface> surfaces, double sigma, std::span<ResidualRow> rows) {
   const double information = 1.0 / (sigma * sigma);
+  const double farthest = params_.max_residual.value_or(std::numeric_limits<double>::infinity());
   exec_.for_ranges(world.size(), 4 * kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       rows[i] = {};
@@ -109,7 +113,7 @@ void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> 
       if (!surface.valid) continue;
       const double r = surface.normal.dot(world[i] - surface.anchor);
       const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
-      if (!inside || !std::isfinite(r)) continue;
+      if (!inside || !(std::abs(r) <= farthest) || !std::isfinite(r)) continue;
       rows[i] = {r, surface.normal, surface.quality * weight(r) * information};
     }
   });

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/residual.hpp"
@@ -9,7 +11,7 @@ namespace aslio::plugins {
 /// Distance of a point to the plane through its k nearest neighbours, or to the plane the map keeps there, r = n . (p -
 /// centroid) (docs/equations.md RES-1; AS-LIO (11)). A plane needs all k neighbours, none farther than plane_threshold
 /// from it, and neighbours that spread in two directions. The gate is FAST-LIO2's: 1 - 0.9 |r| / sqrt(range) > 0.9,
-/// which is range > 81 r^2.
+/// which is range > 81 r^2; `max_residual` is the plain limit of CT-ICP and SR-LIO.
 class PointToPlane final : public Residual {
  public:
   enum class Planes : std::uint8_t { neighbours, map };
@@ -22,6 +24,7 @@ class PointToPlane final : public Residual {
     double plane_threshold = 0.1;
     double min_spread = 0.1;
     double gate = 81.0;
+    std::optional<double> max_residual = std::nullopt;
     Weighting weighting = Weighting::none;
     Kernel kernel = Kernel::none;
     double kernel_width = 0.1;

@@ -202,6 +202,10 @@ TEST_CASE("gate, kernels and quality weigh a row") {  // eq. RES-1
   params.gate = 0;
   REQUIRE(information(params, 5.0, 1.0F) == Approx(50.0));
   REQUIRE(information(params, std::numeric_limits<double>::quiet_NaN(), 1.0F) == 0.0);
+  params.max_residual = 0.3;  // on either side, at any range
+  for (const double r : {0.29, -0.29}) REQUIRE(information(params, r, 1.0F) == Approx(50.0));
+  for (const double r : {0.31, -0.31}) REQUIRE(information(params, r, 100.0F) == 0.0);
+  params.max_residual.reset();
   params.kernel = PointToPlane::Kernel::huber;
   REQUIRE(information(params, 0.05, 1.0F) == Approx(50.0));
   REQUIRE(information(params, -0.4, 1.0F) == Approx(12.5));
