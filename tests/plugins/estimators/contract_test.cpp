@@ -10,9 +10,9 @@ namespace {
 
 constexpr TimeNs kTenth = kSecond / 10;
 
-std::vector<std::string> estimators() { return built_in_stages().types(Estimator::family); }
+std::vector<std::string> estimators() { return under_test(stages_under_test(), Estimator::family); }
 
-Filter made(const std::string& type) { return Filter({"estimator={type: " + type + "}"}); }
+Filter made(const std::string& type) { return Filter({"estimator=" + type}); }
 
 void check_result(const Update& update, const RoomWindow& room) {
   CHECK(update.state.t == room.window.plan.end);
@@ -46,7 +46,7 @@ TEST_CASE("every estimator follows an even motion in a known room") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.5), .drift = Vec3(0.4, 0.2, 0)};
   for (const std::string& type : estimators()) {
     CAPTURE(type);
-    Filter filter({"estimator={type: " + type + "}"}, 3.0);
+    Filter filter({"estimator=" + type}, 3.0);
     filter.build_map(1);
     for (std::uint32_t k = 0; k < 15; ++k) {
       const TimeNs end = kRoomEpoch + (k + 1) * kTenth;

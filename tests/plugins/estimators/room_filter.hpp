@@ -9,6 +9,7 @@
 #include "pipeline/runs.hpp"
 #include "plugins/estimators/room.hpp"
 #include "plugins/overlaps/one_stage.hpp"
+#include "plugins/under_test.hpp"
 
 namespace aslio::test {
 
@@ -36,7 +37,7 @@ struct Filter {
     const bool other = !overrides.empty() && overrides.front().starts_with("estimator=");
     if (!other) all.emplace_back("estimator={type: ieskf}");
     all.insert(all.end(), overrides.begin(), overrides.end());
-    const pipeline::PipelineConfig config = shipped("as_lio", all);
+    const pipeline::PipelineConfig config = shipped("as_lio", all, catalog);
     estimator = config.estimator.make(environment.context());
     map = config.map.make(environment.context());
     InitialState initial;
@@ -48,7 +49,7 @@ struct Filter {
   }
   void add_sampler(const std::string& text) {
     std::vector<std::unique_ptr<Sampler>> chain;
-    chain.push_back(make_stage<Sampler>(built_in_stages(), text, environment.context()));
+    chain.push_back(make_stage<Sampler>(catalog, text, environment.context()));
     samplers = SamplerChain(std::move(chain));
   }
   void build_map(std::uint32_t stamp) { map->insert(wall_points(20000), stamp); }
@@ -56,6 +57,7 @@ struct Filter {
     return estimator->update(room.window, past, {samplers, *map, history});
   }
 
+  const plugin::Catalog catalog = stages_under_test();
   BuildEnvironment environment;
   SamplerChain samplers;
   ConstantHistory history;

@@ -7,7 +7,7 @@
 #include "plugins/build_environment.hpp"
 #include "plugins/histories/update_loop.hpp"
 #include "plugins/overlaps/one_stage.hpp"
-#include "register_all.hpp"
+#include "plugins/under_test.hpp"
 
 namespace aslio {
 namespace {
@@ -17,9 +17,9 @@ using test::UpdateLoop;
 
 struct EveryHistory {
   EveryHistory() {
-    plugins::register_all(catalog);
+    texts = test::under_test(catalog, HistoryPolicy::family);
+    if (test::one_under_test(HistoryPolicy::family)) return;
     for (const std::string& type : catalog.types(HistoryPolicy::family)) {
-      texts.push_back("{type: " + type + "}");
       if (type == "none") continue;
       texts.push_back("{type: " + type + ", age_taper: 0.05, cap: 1, max_residual: 0.05, gate: 2}");
       texts.push_back("{type: " + type + ", self_match_exclusion: true, covariance: new_only, cap: 1000}");
@@ -29,7 +29,7 @@ struct EveryHistory {
   std::unique_ptr<HistoryPolicy> make(const std::string& text) {
     return test::make_stage<HistoryPolicy>(catalog, text, environment.context());
   }
-  plugin::Catalog catalog;
+  const plugin::Catalog catalog = test::stages_under_test();
   test::BuildEnvironment environment;
   std::vector<std::string> texts;
 };

@@ -9,12 +9,12 @@
 
 namespace aslio::test {
 
-/// Every registered insertion with its defaults, and every map.
+/// Every registered insertion with its defaults, or the one under test, and every map.
 struct EveryInsertion : EveryMap {
   std::unique_ptr<Insertion> insertion(const std::string& text) {
     return make_stage<Insertion>(catalog, text, BuildContext{exec, sensor, nullptr});
   }
-  std::vector<std::string> insertions() const { return catalog.types(Insertion::family); }
+  std::vector<std::string> insertions() const { return under_test(catalog, Insertion::family); }
   std::unique_ptr<Map> map(const std::string& text) {
     return make_stage<Map>(catalog, text, BuildContext{exec, sensor, nullptr});
   }

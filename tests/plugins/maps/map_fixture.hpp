@@ -9,18 +9,17 @@
 
 #include "aslio/stages/map.hpp"
 #include "plugins/overlaps/one_stage.hpp"
-#include "register_all.hpp"
+#include "plugins/under_test.hpp"
 
 namespace aslio::test {
 
-/// Makes every registered map with its default parameters.
+/// Makes every registered map with its default parameters, or the one under test.
 struct EveryMap {
-  EveryMap() { plugins::register_all(catalog); }
   std::unique_ptr<Map> make(const std::string& type, exec::Executor& executor) {
     return make_stage<Map>(catalog, type, BuildContext{executor, sensor, nullptr});
   }
   std::unique_ptr<Map> make(const std::string& type) { return make(type, exec); }
-  std::vector<std::string> types() const { return catalog.types(Map::family); }
+  std::vector<std::string> types() const { return under_test(catalog, Map::family); }
   /// Those that hold points, or surfaces.
   std::vector<std::string> types(MapContent content) {
     std::vector<std::string> out;
@@ -29,7 +28,7 @@ struct EveryMap {
     }
     return out;
   }
-  plugin::Catalog catalog;
+  const plugin::Catalog catalog = stages_under_test();
   SensorModel sensor;
   exec::Executor exec{1};
 };

@@ -39,7 +39,7 @@ bool same(const Surface& a, const Surface& b) {
 TEST_CASE("every map of surfaces: planes are found where they are, near and far from the origin") {
   EveryMap fixture;
   const auto types = fixture.types(MapContent::surfaces);
-  REQUIRE(!types.empty());
+  REQUIRE((!types.empty() || one_under_test(Map::family)));
   for (const auto& type : types) {
     for (const double origin : {0.0, 1e5}) {
       for (const Vec3& n : {Vec3(0, 0, 1), Vec3(0.6, -0.8, 0), Vec3(0.2, 0.5, -0.7)}) {

@@ -6,9 +6,8 @@
 #include <numbers>
 
 #include "aslio/stages/motion.hpp"
-#include "motions/imu_euler.hpp"
-#include "motions/imu_midpoint.hpp"
-#include "register_all.hpp"
+#include "plugins/overlaps/one_stage.hpp"
+#include "plugins/under_test.hpp"
 
 using namespace aslio;
 
@@ -20,15 +19,12 @@ struct Fixture {
   std::shared_ptr<spdlog::logger> log =
       std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::null_sink_st>());
   BuildContext context{exec, sensor, log, 0};
-  plugin::Catalog catalog;
-  Fixture() { plugins::register_all(catalog); }
+  const plugin::Catalog catalog = test::stages_under_test();
 
-  std::unique_ptr<MotionModel> make(const std::string& type) const {
-    const plugin::Entry* entry = catalog.find("motions", type);
-    REQUIRE(entry != nullptr);
-    return std::unique_ptr<MotionModel>(
-        static_cast<MotionModel*>(entry->make(entry->defaults().get(), context).release()));
+  std::unique_ptr<MotionModel> make(const std::string& text) const {
+    return test::make_stage<MotionModel>(catalog, text, context);
   }
+  std::vector<std::string> all() const { return test::under_test(catalog, MotionModel::family); }
 };
 
 NavState tilted_state() {
@@ -71,7 +67,7 @@ StateVector minus(const NavState& a, const NavState& b) {
 
 TEST_CASE("every motion model: transition and noise Jacobians agree with central differences") {
   const Fixture f;  // eqs. MOT-2, MOT-4, MOT-6
-  for (const std::string& type : f.catalog.types("motions")) {
+  for (const std::string& type : f.all()) {
     INFO(type);
     const auto motion = f.make(type);
     const NavState x = tilted_state();
@@ -120,7 +116,7 @@ TEST_CASE("every motion model: covariance propagation equals the dense F P F^T +
   Eigen::Matrix<double, 12, 1> q;
   q << Vec3::Constant(noise.gyro), Vec3::Constant(noise.acc), Vec3::Constant(noise.gyro_bias),
       Vec3::Constant(noise.acc_bias);
-  for (const std::string& type : f.catalog.types("motions")) {
+  for (const std::string& type : f.all()) {
     INFO(type);
     const auto motion = f.make(type);
     StateMatrix F;
@@ -135,7 +131,7 @@ TEST_CASE("every motion model: covariance propagation equals the dense F P F^T +
 
 TEST_CASE("every motion model: a segment starts at the state before and moves with it") {
   const Fixture f;
-  for (const std::string& type : f.catalog.types("motions")) {
+  for (const std::string& type : f.all()) {
     INFO(type);
     NavState s = tilted_state();
     const NavState before = s;

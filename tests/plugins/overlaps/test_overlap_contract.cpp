@@ -7,7 +7,7 @@
 #include "aslio/stages/overlap.hpp"
 #include "plugins/build_environment.hpp"
 #include "plugins/overlaps/one_stage.hpp"
-#include "register_all.hpp"
+#include "plugins/under_test.hpp"
 
 using namespace aslio;
 
@@ -44,11 +44,11 @@ constexpr TimeNs kLater = 1000 * kSecond;
 
 template <class F>
 void for_every_metric(F&& check) {
-  plugin::Catalog catalog;
-  plugins::register_all(catalog);
+  const plugin::Catalog catalog = test::stages_under_test();
   test::BuildEnvironment environment;
-  REQUIRE(!catalog.types(OverlapMetric::family).empty());
-  for (const auto& type : catalog.types(OverlapMetric::family)) {
+  const auto types = test::under_test(catalog, OverlapMetric::family);
+  REQUIRE(!types.empty());
+  for (const auto& type : types) {
     INFO(type);
     const auto context = environment.context();
     check([&] { return test::make_stage<OverlapMetric>(catalog, type, context); });

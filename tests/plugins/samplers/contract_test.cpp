@@ -2,28 +2,30 @@
 
 #include <catch2/catch.hpp>
 
-#include "aslio/plugin/registry.hpp"
 #include "plugins/build_environment.hpp"
+#include "plugins/overlaps/one_stage.hpp"
 #include "plugins/samplers/batch.hpp"
-#include "register_all.hpp"
+#include "plugins/under_test.hpp"
 
 namespace aslio {
 namespace {
 
-std::unique_ptr<Sampler> make(const plugin::Entry& entry, test::BuildEnvironment& environment) {
-  const auto params = entry.defaults();
-  return std::unique_ptr<Sampler>(dynamic_cast<Sampler*>(entry.make(params.get(), environment.context()).release()));
-}
+struct EverySampler {
+  std::unique_ptr<Sampler> make(const std::string& text) {
+    return test::make_stage<Sampler>(catalog, text, environment.context());
+  }
+  std::vector<std::string> all() const { return test::under_test(catalog, Sampler::family); }
+  const plugin::Catalog catalog = test::stages_under_test();
+  test::BuildEnvironment environment;
+};
 
 }  // namespace
 
 TEST_CASE("every registered sampler thins, and only ever clears bits") {
-  plugin::Catalog catalog;
-  plugins::register_all(catalog);
-  test::BuildEnvironment environment;
-  for (const std::string& type : catalog.types(Sampler::family)) {
+  EverySampler every;
+  for (const std::string& type : every.all()) {
     CAPTURE(type);
-    const auto sampler = make(*catalog.find(Sampler::family, type), environment);
+    const auto sampler = every.make(type);
     REQUIRE(sampler);
     std::size_t cleared = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -42,13 +44,11 @@ TEST_CASE("every registered sampler thins, and only ever clears bits") {
 }
 
 TEST_CASE("every registered sampler is deterministic and takes an empty batch") {
-  plugin::Catalog catalog;
-  plugins::register_all(catalog);
-  test::BuildEnvironment environment;
-  for (const std::string& type : catalog.types(Sampler::family)) {
+  EverySampler every;
+  for (const std::string& type : every.all()) {
     CAPTURE(type);
-    const auto one = make(*catalog.find(Sampler::family, type), environment);
-    const auto other = make(*catalog.find(Sampler::family, type), environment);
+    const auto one = every.make(type);
+    const auto other = every.make(type);
     test::Batch empty;
     SampleBatch nothing = empty.view();
     other->sample(nothing);
@@ -63,13 +63,11 @@ TEST_CASE("every registered sampler is deterministic and takes an empty batch") 
   }
 }
 
-TEST_CASE("raw samplers decide the same wherever windows are cut") {
-  plugin::Catalog catalog;
-  plugins::register_all(catalog);
-  test::BuildEnvironment environment;
-  for (const std::string& type : catalog.types(Sampler::family)) {
+TEST_CASE("every registered raw sampler decides the same wherever windows are cut") {
+  EverySampler every;
+  for (const std::string& type : every.all()) {
     CAPTURE(type);
-    const auto sampler = make(*catalog.find(Sampler::family, type), environment);
+    const auto sampler = every.make(type);
     if (sampler->acts_on() != Sampler::ActsOn::raw) continue;
     test::Batch whole = test::random_batch(6000, 5, 90.0f);
     test::Batch pieces = whole;
@@ -89,12 +87,10 @@ TEST_CASE("raw samplers decide the same wherever windows are cut") {
 }
 
 TEST_CASE("the chain runs the samplers of each phase in order") {
-  plugin::Catalog catalog;
-  plugins::register_all(catalog);
-  test::BuildEnvironment environment;
+  EverySampler every;
   std::vector<std::unique_ptr<Sampler>> members;
   for (const char* type : {"voxel", "range", "stride"}) {
-    members.push_back(make(*catalog.find(Sampler::family, type), environment));
+    members.push_back(every.make(type));
   }
   SamplerChain chain(std::move(members));
   test::Batch batch = test::random_batch(3000, 8, 2.0f);

@@ -10,8 +10,8 @@
 #include "aslio/plugin/registry.hpp"
 #include "aslio/stages/window.hpp"
 #include "plugins/build_environment.hpp"
+#include "plugins/under_test.hpp"
 #include "plugins/windows/fake_stream.hpp"
-#include "register_all.hpp"
 
 namespace aslio::test {
 
@@ -23,9 +23,10 @@ struct WindowBlock {
 
 class WindowCatalog {
  public:
-  WindowCatalog() { plugins::register_all(catalog_); }
+  WindowCatalog() : catalog_(stages_under_test()) {}
 
-  std::vector<std::string> types() const { return catalog_.types(WindowStrategy::family); }
+  /// As the key `window` names them.
+  std::vector<std::string> all() const { return under_test(catalog_, WindowStrategy::family); }
   /// From the value of the key `window`, such as "{type: fixed, period: 0.05}". Throws ConfigError.
   config::Nested<WindowStrategy> read(const std::string& value) const {
     const std::string text = "schema: aslio/pipeline/1\nwindow: " + value + "\n";
