@@ -117,6 +117,11 @@ void Frame::sample_body(SamplerChain& samplers) {
   list_matches();
 }
 
+void Frame::take_as_measured() {
+  bring_to_imu();
+  list_matches();
+}
+
 void Frame::match_all() {
   for (TapMask& taps : taps_) {
     if ((taps & mask(Tap::map)) != 0) taps = static_cast<TapMask>(taps | mask(Tap::match));

@@ -22,6 +22,8 @@ class Frame {
   void bring_to_imu();
   /// Body phase of the chain, then the lists per tap.
   void sample_body(SamplerChain& samplers);
+  /// p_I of every kept point as measured, those of the match tap included, once the samplers have seen them de-skewed.
+  void take_as_measured();
   /// From now on until sample_raw(), every point for the map is one of the match tap, too.
   void match_all();
   /// match_body() again, for another trajectory; the choice of points stays.

@@ -1,0 +1,452 @@
+#include "estimators/smoother.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aslio/core/cpu_clock.hpp"
+#include "estimators/information_update.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+
+constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr int kVelocityUpdates = 5;  // of a dynamic start
+
+bool finite(const NavState& x) {
+  return x.R.allFinite() && x.p.allFinite() && x.v.allFinite() && x.b_w.allFinite() && x.b_a.allFinite() &&
+         x.g.allFinite() && x.S_w.allFinite() && std::isfinite(x.imu_delay);
+}
+
+ImuSample between(const ImuSample& from, const ImuSample& to, TimeNs t) {
+  const double share = static_cast<double>(t - from.t) / static_cast<double>(to.t - from.t);
+  return {t, from.gyro + share * (to.gyro - from.gyro), from.acc + share * (to.acc - from.acc)};
+}
+
+}  // namespace
+
+Smoother::Smoother(const Params& params, const BuildContext& context)
+    : params_(params),
+      exec_(context.exec),
+      sensor_(context.sensor),
+      motion_(params.motion.make(context)),
+      residual_(params.residual.make(context)),
+      frame_(context.sensor) {}
+
+void Smoother::reset(const InitialState& initial) {
+  initial_ = initial;
+  velocity_updates_ = 0;
+  state_ = initial.state;
+  P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
+  left_open_ = false;
+  dead_reckoning_.forget();
+  close();
+  result_ = Update{};
+}
+
+NavState Smoother::predict(std::span<const ImuSample> imu) const {
+  NavState state = state_;
+  for (std::size_t i = 1; i < imu.size(); ++i) motion_->step(state, imu[i - 1], imu[i]);
+  return state;
+}
+
+/// eq. SMO-4: what ends before the window stays as a belief of its end.
+void Smoother::leave(TimeNs history_begin) {
+  std::size_t gone = 0;
+  while (gone < slices_.size() && slices_[gone]->state.t <= history_begin) ++gone;
+  if (gone > first_) {
+    const Slice& last = *slices_[gone - 1];
+    belief_ = last.filtered;
+    belief_P_ = last.P;
+    begin_ = last.state;
+  }
+  first_ -= std::min(first_, gone);
+  for (std::size_t i = 0; i < gone; ++i) spare_.push_back(std::move(slices_[i]));
+  slices_.erase(slices_.begin(), slices_.begin() + static_cast<std::ptrdiff_t>(gone));
+}
+
+/// All that is known becomes a belief of the present, and the chain begins anew: slices so far stay where they are.
+void Smoother::close() {
+  first_ = slices_.size();
+  belief_ = begin_ = state_;
+  belief_P_ = P_;
+}
+
+Smoother::Slice& Smoother::add_slice() {
+  if (spare_.empty()) spare_.push_back(std::make_unique<Slice>());
+  slices_.push_back(std::move(spare_.back()));
+  spare_.pop_back();
+  Slice& slice = *slices_.back();
+  slice.imu.clear();
+  slice.points.body.clear();
+  slice.points.range.clear();
+  slice.times.clear();
+  slice.sums = {};
+  slice.left_open = left_open_;
+  return slice;
+}
+
+/// A slice per part of the window, with the IMU samples that cover it.
+void Smoother::cut(const Window& window) {
+  fresh_ = slices_.size();
+  const std::span<const TimeNs> named(window.plan.cuts.data(), window.plan.cut_count);
+  const std::span<const TimeNs> ends = named.empty() ? std::span<const TimeNs>(&window.plan.end, 1) : named;
+  std::size_t next = 0;
+  for (const TimeNs end : ends) {
+    Slice& slice = add_slice();
+    if (next > 0) slice.imu.push_back(slices_[slices_.size() - 2]->imu.back());
+    while (next < window.imu.size() && window.imu[next].t <= end) slice.imu.push_back(window.imu[next++]);
+    if (next > 0 && next < window.imu.size() && slice.imu.back().t < end) {
+      slice.imu.push_back(between(window.imu[next - 1], window.imu[next], end));
+    }
+    slice.state.t = end;
+  }
+}
+
+/// The path of a slice with the IMU read as its begin has it; returns the end that this predicts.
+NavState Smoother::trace(Slice& slice, const NavState& begin) const {
+  const TimeNs end = slice.state.t;
+  NavState state = begin;
+  slice.path.clear(begin, end);
+  for (std::size_t i = 1; i < slice.imu.size(); ++i) {
+    const MotionSegment segment = motion_->step(state, slice.imu[i - 1], slice.imu[i]);
+    slice.path.append(segment, state);
+  }
+  state.t = end;
+  return state;
+}
+
+void Smoother::trace_all() {
+  for (std::size_t i = first_; i < slices_.size(); ++i) {
+    trace(*slices_[i], begin_of(i));
+    slices_[i]->path.meet(slices_[i]->state);
+  }
+}
+
+/// Adds the slices of the window as the IMU predicts them; false when that is not finite.
+bool Smoother::propagate(const Window& window) {
+  const CpuTimer timer(result_.times.predict);
+  leave(window.plan.history_begin);
+  cut(window);
+  for (std::size_t i = fresh_; i < slices_.size(); ++i) {
+    Slice& slice = *slices_[i];
+    slice.state = trace(slice, begin_of(i));
+    slice.path.meet(slice.state);
+    if (!finite(slice.state)) return false;
+  }
+  NavState state = state_;  // for the samplers, which see the points at the end of the window
+  carried_.clear(state);
+  for (std::size_t i = 1; i < window.imu.size(); ++i) {
+    const MotionSegment segment = motion_->step(state, window.imu[i - 1], window.imu[i]);
+    carried_.append(segment, state);
+  }
+  return true;
+}
+
+/// In place of a prediction that is not finite: back to the last state; the points stay as measured, and nothing is
+/// done with them.
+void Smoother::stand_still(TimeNs end) {
+  for (std::size_t i = fresh_; i < slices_.size(); ++i) spare_.push_back(std::move(slices_[i]));
+  slices_.resize(fresh_);
+  state_.t = end;
+  close();
+  Slice& slice = add_slice();
+  slice.state = state_;
+  slice.path.clear(state_, end);
+  carried_.clear(state_);
+}
+
+/// P_ goes with the prediction of a window whose points tell nothing.
+void Smoother::predict_covariance() {
+  const StateMatrix before = P_;
+  for (std::size_t s = fresh_; s < slices_.size(); ++s) {
+    const Slice& slice = *slices_[s];
+    NavState state = s == fresh_ ? state_ : slices_[s - 1]->state;
+    for (std::size_t i = 1; i < slice.imu.size(); ++i) {
+      const ImuSample &from = slice.imu[i - 1], &to = slice.imu[i];
+      motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.left_open),
+                                    P_);
+      motion_->step(state, from, to);
+    }
+  }
+  P_ = P_.allFinite() ? (0.5 * (P_ + P_.transpose())).eval() : before;
+}
+
+/// The points of the match tap to the slices that measured them, as measured.
+void Smoother::hand_out_points() {
+  const auto body = frame_.match_body();
+  const auto range = frame_.match_range();
+  const auto times = frame_.match_time();
+  std::size_t begin = 0;
+  for (std::size_t s = fresh_; s < slices_.size(); ++s) {
+    Slice& slice = *slices_[s];
+    std::size_t end = begin;
+    while (end < times.size() && (times[end] <= slice.state.t || s + 1 == slices_.size())) ++end;
+    const std::size_t n = end - begin;
+    if (slice.times.capacity() < n) {
+      slice.points.reserve(n, *residual_);
+      slice.times.reserve(2 * n);
+      slice.lever.reserve(2 * n);
+      slice.share.reserve(2 * n);
+    }
+    slice.points.body.assign(body.begin() + static_cast<std::ptrdiff_t>(begin),
+                             body.begin() + static_cast<std::ptrdiff_t>(end));
+    slice.points.range.assign(range.begin() + static_cast<std::ptrdiff_t>(begin),
+                              range.begin() + static_cast<std::ptrdiff_t>(end));
+    slice.times.assign(times.begin() + static_cast<std::ptrdiff_t>(begin),
+                       times.begin() + static_cast<std::ptrdiff_t>(end));
+    slice.lever.resize(n);
+    slice.share.resize(n);
+    slice.points.world.resize(n);
+    begin = end;
+  }
+}
+
+/// Rows of a slice where its path places the points; with a map, matched anew.
+void Smoother::measure(Slice& slice, const Map* map) {
+  PointMatches& points = slice.points;
+  slice.path.place(points.body, slice.times, points.world, slice.lever, slice.share);
+  if (map != nullptr) {
+    const CpuTimer timer(result_.times.associate, result_.times.solve);
+    points.associate(*map, *residual_, 0xffffffff);
+  }
+  points.evaluate(*residual_, params_.sigma);
+  const std::size_t n = points.body.size();
+  const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
+  if (partials_.size() < exec::Executor::chunk_count(n, kGrain)) {
+    partials_.resize(2 * exec::Executor::chunk_count(n, kGrain));
+  }
+  slice.sums = exec_.reduce(
+      n, kGrain, SliceInformation{}, std::span<SliceInformation>(partials_),
+      [&](std::size_t begin, std::size_t end) {
+        SliceInformation sum;
+        for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
+          const ResidualRow& z = points.rows[row];
+          if (z.information <= 0.0) continue;
+          const std::size_t i = row / rows_per_match;
+          sum.add(slice.lever[i], slice.share[i], z.J, z.r, z.information);
+        }
+        return sum;
+      },
+      [](SliceInformation& total, const SliceInformation& part) { total += part; });
+}
+
+/// eq. SMO-2 about the iterate.
+void Smoother::linearise(std::size_t i, SliceEquations& out) const {
+  const Slice& slice = *slices_[i];
+  NavState state = begin_of(i);
+  out.F.setIdentity();
+  out.Q.setZero();
+  StateMatrix F;
+  Eigen::Matrix<double, kStateDim, 12> G;
+  for (std::size_t s = 1; s < slice.imu.size(); ++s) {
+    const ImuSample &from = slice.imu[s - 1], &to = slice.imu[s];
+    motion_->linearise(state, from, to, F, G);
+    out.F = (F * out.F).eval();
+    motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.left_open),
+                                  out.Q);
+    motion_->step(state, from, to);
+  }
+  out.d = box_minus(slice.state, slice.path.predicted());
+  const Vec3 missed = out.d.segment<3>(block::theta);
+  out.F.topRows<3>() = (exp_so3(-missed) * out.F.topRows<3>()).eval();
+  out.Q = transported_covariance(out.Q, missed);
+  slice.sums.tell(begin_of(i).R, slice.state.R, out);
+}
+
+/// One step of all states; false when it is not finite.
+bool Smoother::step(double& turn, double& shift) {
+  const std::size_t n = slices_.size() - first_;
+  if (equations_.size() < n) equations_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) linearise(first_ + i, equations_[i]);
+  const StateVector off = box_minus(begin_, belief_);
+  pass_.run({-off, transported_covariance(belief_P_, off.head<3>())}, equations_, n);
+
+  const bool unit_gravity = params_.estimated.gravity != Gravity::free;
+  turn = shift = 0;
+  const auto move = [&](NavState& x, const StateVector& by) {
+    turn = std::max(turn, by.segment<3>(block::theta).norm());
+    shift = std::max(shift, by.segment<3>(block::p).norm());
+    x = box_plus(x, by, unit_gravity);
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    Slice& slice = *slices_[first_ + i];
+    const ErrorBelief& known = pass_.filtered(i);
+    if (!pass_.end(i).allFinite() || !known.P.allFinite() || known.P.diagonal().minCoeff() < -1e-12) return false;
+    slice.filtered = box_plus(slice.state, known.mean, unit_gravity);
+    slice.P = transported_covariance(known.P, known.mean.head<3>());
+    move(slice.state, pass_.end(i));
+  }
+  move(begin_, pass_.begin());
+  return begin_.p.allFinite() && begin_.R.allFinite();
+}
+
+SliceInformation Smoother::fresh_sums() const {
+  SliceInformation sum;
+  for (std::size_t i = fresh_; i < slices_.size(); ++i) sum += slices_[i]->sums;
+  return sum;
+}
+
+void Smoother::iterate(const StepContext& context) {
+  const CpuTimer timer(result_.times.solve);
+  for (int j = 0; j < params_.max_iterations; ++j) {
+    if (j > 0) trace_all();
+    for (std::size_t i = first_; i < slices_.size(); ++i) measure(*slices_[i], &context.map);
+    const std::size_t fresh = fresh_sums().accepted;
+    result_.iterations = j + 1;
+    if (static_cast<std::int64_t>(fresh) < params_.min_matches) return refuse(UpdateStatus::few_matches);
+    double turn = 0, shift = 0;
+    if (!step(turn, shift)) return refuse(UpdateStatus::non_finite);
+    if (j == 0) {
+      double squares = 0;
+      for (std::size_t i = fresh_; i < slices_.size(); ++i) squares += pass_.squared_innovation(i - first_);
+      result_.nis = squares / static_cast<double>(fresh);
+    }
+    const double enough_turn = params_.converged_deg * kRadPerDeg, enough_shift = params_.converged_m;
+    const bool converged = turn < enough_turn && shift < enough_shift;
+    if (!converged && j + 1 < params_.max_iterations) continue;
+    // Ten times more is noise of the association; a larger step says that the poses are still on their way.
+    const bool settled = turn < 10 * enough_turn && shift < 10 * enough_shift;
+    result_.status = settled ? UpdateStatus::ok : UpdateStatus::not_converged;
+    return accept();
+  }
+}
+
+void Smoother::accept() {
+  const SliceInformation fresh = fresh_sums();
+  result_.fresh_matches = static_cast<std::uint32_t>(fresh.accepted);
+  std::size_t all = 0;
+  for (std::size_t i = first_; i < slices_.size(); ++i) all += slices_[i]->sums.accepted;
+  result_.history_matches = static_cast<std::uint32_t>(all) - result_.fresh_matches;
+  state_ = slices_.back()->state;
+  P_ = slices_.back()->P;
+  Mat6 into = Mat6::Identity();
+  into.topLeftCorner<3, 3>() = state_.R;
+  result_.spectrum = pose_spectrum(into.transpose() * fresh.A0 * into);
+  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0];
+  if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
+  left_open_ = weakest < 1.0;
+  result_.accepted = true;
+  trace_all();
+  if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
+  dead_reckoning_.begin(state_.t, P_);
+}
+
+/// eq. INI-3: the first windows were de-skewed with a wrong velocity; their displacements must not pass for
+/// acceleration.
+void Smoother::find_velocity_alone() {
+  constexpr double shrink = 0.4, least = 0.05;  // least: [m/s]
+  ++velocity_updates_;
+  const NavState& start = initial_.state;
+  state_.b_w = start.b_w;
+  state_.b_a = start.b_a;
+  state_.g = start.g;
+  state_.S_w = start.S_w;
+  state_.imu_delay = start.imu_delay;
+  P_ = initial_covariance(initial_, params_.estimated,
+                          std::max(least, initial_.sigma_velocity * std::pow(shrink, velocity_updates_)));
+  result_.restart_map = true;
+}
+
+/// The iterates as they were before this update, the fresh slices as predicted.
+void Smoother::restore() {
+  begin_ = before_.front();
+  for (std::size_t i = first_; i < slices_.size(); ++i) slices_[i]->state = before_[i - first_ + 1];
+  trace_all();
+}
+
+void Smoother::refuse(UpdateStatus status) {
+  result_.status = status;
+  result_.accepted = false;
+  restore();
+  predict_covariance();
+  state_ = slices_.back()->state;
+  left_open_ = dead_reckoning_.begun();
+  result_.insert = status == UpdateStatus::few_matches && dead_reckoning_.good(state_.t, P_);
+}
+
+const Update& Smoother::update(const Window& window, const HistorySelection&, const StepContext& context) {
+  result_ = Update{};
+  const bool predicted = propagate(window);
+  if (!predicted) stand_still(window.plan.end);
+  before_.assign(1, begin_);
+  for (std::size_t i = first_; i < slices_.size(); ++i) before_.push_back(slices_[i]->state);
+  result_.prior = slices_.back()->state;
+  {
+    const CpuTimer timer(result_.times.sample);
+    frame_.sample_raw(window.fresh, context.samplers);
+  }
+  {
+    const CpuTimer timer(result_.times.deskew);
+    frame_.deskew(carried_);
+  }
+  {
+    const CpuTimer timer(result_.times.sample);
+    frame_.sample_body(context.samplers);
+  }
+  frame_.take_as_measured();
+  hand_out_points();
+  if (!predicted) {
+    result_.status = UpdateStatus::non_finite;
+    result_.insert = false;
+    left_open_ = dead_reckoning_.begun();
+  } else if (context.map.size() == 0) {
+    predict_covariance();
+    state_ = slices_.back()->state;
+    result_.status = UpdateStatus::initialising;
+    dead_reckoning_.begin(state_.t, P_);
+  } else {
+    iterate(context);
+  }
+  finish();
+  if (!result_.accepted || result_.restart_map) close();
+  return result_;
+}
+
+/// What the last matches of the fresh points are off by at the smoothed states.
+void Smoother::record_matches() {
+  double squares = 0;
+  for (std::size_t i = fresh_; i < slices_.size(); ++i) {
+    Slice& slice = *slices_[i];
+    measure(slice, nullptr);
+    double rms = 0;
+    const std::size_t accepted =
+        slice.points.record(static_cast<std::size_t>(residual_->rows_per_match()), slice_records_, rms);
+    records_.insert(records_.end(), slice_records_.begin(), slice_records_.end());
+    squares += rms * rms * static_cast<double>(accepted);
+  }
+  if (result_.fresh_matches > 0) result_.residual_rms = std::sqrt(squares / result_.fresh_matches);
+}
+
+void Smoother::finish() {
+  const CpuTimer timer(result_.times.solve);
+  records_.clear();
+  states_.clear();
+  chain_.clear();
+  for (std::size_t i = fresh_; i < slices_.size(); ++i) {
+    chain_.append(slices_[i]->path);
+    slices_[i]->path.list_states(states_);
+  }
+  if (result_.accepted) {
+    record_matches();
+    if (slices_.size() - fresh_ == 1 && !residual_->surfaces_from_map()) {
+      result_.neighbours = &slices_.back()->points.neighbours;
+    }
+  } else {
+    records_.assign(frame_.match_body().size(), MatchRecord{});
+  }
+  frame_.place_along(chain_);
+  states_.back() = state_;
+  result_.state = state_;
+  result_.P = P_;
+  result_.states = states_;
+  result_.trajectory = &chain_;
+  result_.matches = records_;
+  result_.overlap_points = frame_.world(Tap::overlap);
+  result_.map_points = frame_.world(Tap::map);
+  result_.match_points = frame_.world(Tap::match);
+}
+
+}  // namespace aslio::plugins
