@@ -33,6 +33,7 @@ Command add_experiment(CLI::App& root);
 Command add_status(CLI::App& root);
 Command add_compare(CLI::App& root);
 Command add_report(CLI::App& root);
+Command add_new_plugin(CLI::App& root);
 Command add_version(CLI::App& root);
 
 }  // namespace aslio::cli
