@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // points per chunk of a reduction
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr int kVelocityUpdates = 5;  // of a dynamic start
 
 double angle_between(const Mat3& a, const Mat3& b) { return log_so3(a.transpose() * b).norm(); }
 
@@ -29,6 +30,8 @@ CtIcp::CtIcp(const Params& params, const BuildContext& context)
 }
 
 void CtIcp::reset(const InitialState& initial) {
+  initial_ = initial;
+  velocity_updates_ = 0;
   state_ = initial.state;
   P_.setZero();
   accepted_t_ = kTimeMin;
@@ -237,6 +240,7 @@ void CtIcp::accept() {
   if (uses_imu()) {
     state_ = imu_.correct(prior_, path_.end(), information);
     set_path(path_.begin(), state_.pose());
+    if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
   } else {
     state_.R = path_.end().R;
     state_.p = path_.end().p;
@@ -249,6 +253,19 @@ void CtIcp::accept() {
   accepted_ = state_.pose();
   accepted_t_ = state_.t;
   result_.accepted = true;
+}
+
+/// eq. INI-3: the first windows were predicted with a wrong velocity, and the map holds what they smeared.
+void CtIcp::find_velocity_alone() {
+  constexpr double shrink = 0.4, least = 0.05;  // least: [m/s]
+  ++velocity_updates_;
+  state_.b_w = initial_.state.b_w;
+  state_.b_a = initial_.state.b_a;
+  state_.g = initial_.state.g;
+  InitialState known = initial_;
+  known.sigma_velocity = std::max(least, initial_.sigma_velocity * std::pow(shrink, velocity_updates_));
+  imu_.reset(known);
+  result_.restart_map = true;
 }
 
 void CtIcp::refuse(UpdateStatus status) {

@@ -59,6 +59,7 @@ class CtIcp final : public Estimator {
   void iterate(const HistorySelection& past, const StepContext& context);
   void refuse(UpdateStatus status);
   void accept();
+  void find_velocity_alone();
   void finish();
 
   Params params_;
@@ -66,6 +67,8 @@ class CtIcp final : public Estimator {
   std::unique_ptr<Residual> residual_;
   ImuTrack imu_;
 
+  InitialState initial_;
+  int velocity_updates_ = 0;  ///< accepted updates of a dynamic start, with IMU
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
   TimeNs accepted_t_ = kTimeMin;

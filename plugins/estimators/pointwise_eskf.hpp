@@ -11,9 +11,9 @@ namespace aslio::plugins {
 
 /// Error-state Kalman filter that takes points and IMU samples in the order of time, one update per firing, so that
 /// nothing needs de-skewing (He et al., Point-LIO, 2023). Angular rate and specific force are states; the IMU measures
-/// them, and an axis at the limit of its range tells nothing. Old points of the window take no part: each point counts
-/// at its own moment. The window decides when points are taken in and enter the map, not when the state is updated
-/// (docs/equations.md PTW-1 to PTW-5). Update::states has a state per firing.
+/// them, and an axis at the limit of its range tells nothing. Each point counts at its own moment and
+/// no second time, so the history has to be `none`. The window decides when points are taken in and enter the map, not
+/// when the state is updated (docs/equations.md PTW-1 to PTW-5). Update::states has a state per firing.
 class PointwiseEskf final : public Estimator {
  public:
   using Gravity = EstimatedStates::Gravity;
@@ -38,6 +38,7 @@ class PointwiseEskf final : public Estimator {
   MapContent map_content() const override {
     return residual_->surfaces_from_map() ? MapContent::surfaces : MapContent::points;
   }
+  bool uses_history() const override { return false; }
   void reset(const InitialState& initial) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }

@@ -17,7 +17,7 @@ namespace aslio::plugins {
 /// once. All slices that reach into the window are smoothed together: at every iteration their points are placed and
 /// matched anew at the smoothed states. What leaves the window stays as the belief of its last state. So there is
 /// nothing for a history to add, and it has to be `none`.
-class Smoother final : public Estimator {
+class Smoother final : public Estimator, private PointRevision {
  public:
   using Gravity = EstimatedStates::Gravity;
   using GyroCalibration = EstimatedStates::GyroCalibration;
@@ -41,6 +41,7 @@ class Smoother final : public Estimator {
   MapContent map_content() const override {
     return residual_->surfaces_from_map() ? MapContent::surfaces : MapContent::points;
   }
+  bool uses_history() const override { return false; }
   void reset(const InitialState& initial) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
@@ -54,6 +55,7 @@ class Smoother final : public Estimator {
     NavState filtered;                    ///< at its end, from this slice and those before it
     StateMatrix P = StateMatrix::Zero();  ///< of `filtered`
     SlicePath path;
+    SlicePath placed;  ///< as its own update left it
     PointMatches points;
     std::vector<TimeNs> times;
     std::vector<Vec3> lever;    ///< R(t) p_I
@@ -71,6 +73,8 @@ class Smoother final : public Estimator {
   bool propagate(const Window& window);
   void stand_still(TimeNs end);
   void predict_covariance();
+
+  Vec3 place(const WorldPoint& point) const override;
 
   const NavState& begin_of(std::size_t i) const { return i == first_ ? begin_ : slices_[i - 1]->state; }
   void measure(Slice& slice, const Map* map);

@@ -14,6 +14,7 @@ class NoHistory final : public HistoryPolicy {
 
   NoHistory(const Params&, const BuildContext&) {}
 
+  bool gives_points() const override { return false; }
   HistorySelection select(const Window&) override { return {}; }
   double weight(std::size_t, std::size_t) const override { return 0.0; }
   double gate(double) const override { return 0.0; }

@@ -8,9 +8,9 @@
 namespace aslio::plugins {
 
 /// `on_exit`: a fresh point of the map tap enters the map when it leaves the window, once, where its own update placed
-/// it and under the stamp of that update: before the first update whose window begins at its time or later. So no point
-/// of a window ever meets itself or its neighbours in time, and the map lags by a window; without a history the map is
-/// that of `on_new`.
+/// it, or where the estimator holds it by then (Update::revision), and under the stamp of that update: before the first
+/// update whose window begins at its time or later. So no point of a window ever meets itself or its neighbours in
+/// time, and the map lags by a window; without a history the map is that of `on_new`.
 ///
 /// What enters once is what `on_new` inserts: the points of updates that were not refused. Those of a refused update
 /// are in no map, whatever comes later; those that were already waiting still enter at their time. A gap in the data
@@ -26,6 +26,7 @@ class InsertOnExit final : public Insertion {
 
   InsertCount begin(const Window& window, Map& map) override { return insert(window.plan.history_begin, map); }
   InsertCount apply(const Window& window, const Update& update, Map& map) override {
+    revision_ = update.revision;
     if (update.restart_map) {
       waiting_.clear();
       return map.insert(update.points(Tap::map), window.sequence);
@@ -39,14 +40,23 @@ class InsertOnExit final : public Insertion {
   InsertCount insert(TimeNs until, Map& map) {
     InsertCount count;
     waiting_.leave(until, [&](std::span<const WorldPoint> points, std::uint32_t sequence) {
-      const InsertCount part = map.insert(points, sequence);
+      const InsertCount part = map.insert(revised(points), sequence);
       count.offered += part.offered;
       count.inserted += part.inserted;
     });
     return count;
   }
 
+  std::span<const WorldPoint> revised(std::span<const WorldPoint> points) {
+    if (revision_ == nullptr) return points;
+    revised_.assign(points.begin(), points.end());
+    for (WorldPoint& point : revised_) point.p_W = revision_->place(point);
+    return revised_;
+  }
+
   WindowPoints waiting_;
+  const PointRevision* revision_ = nullptr;
+  std::vector<WorldPoint> revised_;
 };
 
 }  // namespace aslio::plugins

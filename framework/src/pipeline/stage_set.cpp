@@ -31,6 +31,11 @@ SamplerChain build_chain(const std::vector<config::Nested<Sampler>>& members, co
 std::string content(const Map& map) { return map.content() == MapContent::surfaces ? "surfaces" : "points"; }
 
 void require_fit(const PipelineConfig& config, const StageSet& stages) {
+  if (stages.history && stages.estimator && stages.history->gives_points() && !stages.estimator->uses_history()) {
+    throw StageError("history", fmt::format("history: '{}' gives points of earlier updates, and estimator '{}' takes "
+                                            "none: set history to {{type: none}}, or choose another estimator",
+                                            config.history.type(), config.estimator.type()));
+  }
   if (!stages.map) return;
   if (stages.insertion && stages.insertion->needs_nearest_points() && stages.map->content() == MapContent::surfaces) {
     throw StageError("insertion",

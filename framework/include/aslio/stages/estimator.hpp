@@ -45,6 +45,14 @@ struct MatchRecord {
   float residual = 0;  ///< signed z at the posterior [m]
 };
 
+/// Where an estimator that smooths holds points of earlier updates now.
+class PointRevision {
+ public:
+  virtual ~PointRevision() = default;
+  /// p_W of a point that its own update placed at `point.p_W`. What has left the smoother's lag stays where it is.
+  virtual Vec3 place(const WorldPoint& point) const = 0;
+};
+
 /// CPU time of the calling thread per part [s], disjoint; never used in a decision.
 struct StageTimes {
   double predict = 0, deskew = 0, sample = 0, associate = 0, solve = 0, overlap = 0, insert = 0, window = 0;
@@ -68,6 +76,8 @@ struct Update {
   double nis = 0;  ///< squared innovation of the fresh residuals at the prior, per match (eq. IESKF-10); 0: none
   std::span<const NavState> states;             ///< states inside the window in time order, the last is `state`
   const TrajectoryModel* trajectory = nullptr;  ///< T_W_I over the fresh interval
+  /// Of points of this update and earlier ones; valid as long as the estimator. nullptr: they stay where they are.
+  const PointRevision* revision = nullptr;
   StageTimes times;
 
   std::span<const WorldPoint> points(Tap tap) const {
@@ -97,6 +107,8 @@ class Estimator : public Stage {
   /// Whether it takes IMU data. If not, no stage sees any: windows do not wait for it, Window::imu is empty, and the
   /// first state is that of the first point, at rest in the origin of W with the axes of I.
   virtual bool uses_imu() const { return true; }
+  /// Whether it takes points of earlier updates. If not, the history has to be `none`.
+  virtual bool uses_history() const { return true; }
   virtual void reset(const InitialState& initial) = 0;
   virtual const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) = 0;
   /// Posterior state of the last update.

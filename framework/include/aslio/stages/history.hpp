@@ -37,6 +37,8 @@ struct HistorySelection {
 class HistoryPolicy : public Stage {
  public:
   static constexpr std::string_view family = "histories";
+  /// Whether it ever selects any.
+  virtual bool gives_points() const { return true; }
   virtual HistorySelection select(const Window& window) = 0;
   /// Factor on the information of each history residual, >= 0.
   virtual double weight(std::size_t fresh_residuals, std::size_t history_residuals) const = 0;
