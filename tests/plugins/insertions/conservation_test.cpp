@@ -81,6 +81,29 @@ TEST_CASE("on_exit: each point of an update that was not refused enters once, th
   }
 }
 
+TEST_CASE("on_exit: a point enters where the estimator holds it by the time it leaves") {
+  struct Drift final : PointRevision {
+    Vec3 place(const WorldPoint& point) const override { return point.p_W + by; }
+    Vec3 by = Vec3::Zero();
+  };
+  test::BuildEnvironment environment;
+  plugins::InsertOnExit insertion({}, environment.context());
+  RecordingMap map;
+  Drift drift;
+  const std::vector<WorldPoint> points = {{.p_W = Vec3(1, 2, 3), .t = 10}, {.p_W = Vec3(4, 5, 6), .t = 20}};
+  Update update;
+  update.map_points = points;
+  update.revision = &drift;
+  insertion.apply(test::window_of(1, 0, 0, 25), update, map);
+  drift.by = Vec3(0, 0, 0.5);
+  insertion.begin(test::window_of(2, 15, 25, 45), map);
+  drift.by = Vec3(0.25, 0, 0);
+  insertion.finish(map);
+  REQUIRE(map.given.size() == 2);
+  CHECK(map.given[0].p_W == Vec3(1, 2, 3.5));
+  CHECK(map.given[1].p_W == Vec3(4.25, 5, 6));
+}
+
 TEST_CASE("on_exit: a map that begins anew takes the points of that update and none that waited") {
   test::BuildEnvironment environment;
   plugins::InsertOnExit insertion({}, environment.context());
