@@ -1,5 +1,6 @@
 /// What status a run deserves, and in which words.
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "aslio/experiment/measure.hpp"
@@ -116,4 +117,34 @@ TEST_CASE("a position far from the reference is a divergence, a small drift is n
   CHECK(to_seconds(divergence->first) > 80.0);
   CHECK(to_seconds(divergence->first) < 95.0);
   CHECK_THAT(divergence->second, Contains("m from the reference after") && Contains("more than 2 m and 5 %"));
+}
+
+TEST_CASE("the share of the way after which a run has failed") {
+  const Trajectory reference(walk());
+  const auto failed_after = [&](const std::vector<StampedPose>& poses, std::optional<TimeNs> other = {}) {
+    return experiment::failed_after(poses, reference, other);
+  };
+  CHECK_FALSE(failed_after(walk()).has_value());
+  // Another origin and heading: laid on the truth by its first second.
+  std::vector<StampedPose> turned = walk();
+  const Mat3 R = Eigen::AngleAxisd(1.0, Vec3::UnitZ()).toRotationMatrix();
+  for (StampedPose& pose : turned) pose.T = Pose{R * pose.T.R, R * pose.T.p + Vec3(3, 4, 5)};
+  CHECK_FALSE(failed_after(turned).has_value());
+  const auto off = [&](std::size_t from, std::size_t to, double metres) {
+    std::vector<StampedPose> poses = turned;
+    for (std::size_t i = from; i < to; ++i) poses[i].T.p.z() += metres;
+    return failed_after(poses);
+  };
+  // 2 m early, 5 % of the way later; what has come back has failed, too.
+  CHECK_FALSE(off(60, 70, 1.9).has_value());
+  CHECK(off(60, 70, 2.1).value() == Approx(0.06));
+  CHECK_FALSE(off(600, 601, 2.9).has_value());
+  CHECK(off(600, 601, 3.1).value() == Approx(0.6));
+  // Another failure, whichever is first; and nothing that could be laid on the truth.
+  CHECK(failed_after(turned, 50 * kSecond).value() == Approx(0.5));
+  std::vector<StampedPose> late = turned;
+  late.back().T.p.z() += 9;
+  CHECK(failed_after(late, 50 * kSecond).value() == Approx(0.5));
+  CHECK(failed_after(late).value() == Approx(1.0));
+  CHECK(failed_after({}).value() == 0);
 }

@@ -42,14 +42,39 @@ TEST_CASE("cells are medians over seeds, and a failure is worse than any figure"
   INFO(text);
   CHECK_THAT(text, Contains("**Question.** Which?") && Contains("11 of 12 runs."));
   CHECK_THAT(text, Contains("| sequence | fixed | other |\n|---|---|---|\n"
-                            "| a | 0.2 (0.1-0.3) | 0.2 (0.1-0.2) 1x |\n"
+                            "| a | 0.2 (0.1-0.3) | 0.2 (0.1-0.2) 1- |\n"
                             "| b | 0.5 (0.5-0.5) | x 2x |\n"));
   // Sequences: a ties, b is lost. Pairs: a_1 won, a_2 and a_3 lost, b_1 and b_2 lost, b_3 not there.
   CHECK_THAT(text, Contains("| other | fixed | 0 / 1 / 1 | 1 / 4 / 0 |"));
   CHECK_THAT(text, Contains("| a_3 | other | diverged | far/off |") && Contains("| b_2 | other | timeout | longer |"));
   // A figure that no summary has; and who has more updates has not won anything.
-  CHECK_THAT(text, Contains("## updates\n\n| sequence | fixed | other |\n|---|---|---|\n| a | - | x |"));
+  CHECK_THAT(text, Contains("## updates\n\n| sequence | fixed | other |\n|---|---|---|\n| a |  | - |"));
   CHECK(text.find("Won /", text.find("## updates")) == std::string::npos);
+}
+
+TEST_CASE("a run that failed before a tenth of the way is an x, a later one a dash") {
+  const StudyFiles files;
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 1-3, name: a}]\nmethods:\n" +
+                                 method("one", "fixed_window") + "metrics: [ate_m, end_to_end_m]\n");
+  const auto runs = plan_runs(study, "program");
+  const auto run = [](const std::string& status, std::optional<double> failed_at) {
+    StudyRow out = row(0.1, status);
+    out.figures.emplace_back("end_to_end_m", 0.2);
+    if (failed_at) out.figures.emplace_back("failed_at", *failed_at);
+    return out;
+  };
+  const auto table = [&](const StudyRow& a, const StudyRow& b, const StudyRow& c) {
+    return results_markdown(study, runs, {a, b, c});
+  };
+  const StudyRow good = run("ok", {}), soon = run("failed", 0.09), late = run("diverged", 0.1),
+                 crashed = run("crashed", {});
+  CHECK_THAT(table(good, soon, late), Contains("| a | x (0.1-0.1) 1x 1- |"));
+  CHECK_THAT(table(good, late, late), Contains("| a | - (0.1-0.1) 2- |"));
+  CHECK_THAT(table(good, good, crashed), Contains("| a | 0.1 (0.1-0.1) 1x |"));
+  // Back at its beginning, but far away in between: no end-to-end error, and an ATE that shows it.
+  const std::string back = table(good, good, run("ok", 0.5));
+  CHECK_THAT(back, Contains("## ate_m\n\n| sequence | one |\n|---|---|\n| a | 0.1 (0.1-0.1) |"));
+  CHECK_THAT(back, Contains("| a | 0.2 (0.2-0.2) 1- |") && Contains("no update has been accepted for more than 1 s"));
 }
 
 TEST_CASE("two middle values of which one is a failure have no median") {
@@ -58,7 +83,7 @@ TEST_CASE("two middle values of which one is a failure have no median") {
   Rows rows(12);
   rows[1] = row(0.1);
   rows[3] = row(0.1, "crashed", "signal");
-  CHECK_THAT(results_markdown(study, plan_runs(study, "program"), rows), Contains("| a | - | x (0.1-0.1) 1x |"));
+  CHECK_THAT(results_markdown(study, plan_runs(study, "program"), rows), Contains("| a |  | x (0.1-0.1) 1x |"));
 }
 
 TEST_CASE("results.csv has a line per run with all figures that any run has") {

@@ -94,15 +94,14 @@ void write_study(const fs::path& folder) {
       folder / "table.md",
       fmt::format(
           "# fixture\n\n**Question.** Which is better? {}\n\n**Prediction.** The second.\n\n**Rule.** Lower median.\n\n"
-          "11 of 12 runs. A cell is.\n\n## ate_m\n\n| sequence | fixed_10 |\n|---|---|\n\n## ate_deg\n\n"
+          "11 of 12 runs. A cell is.\n\n## Expectation\n\nAll in all: **not decided**\n\n- it pays: **does not hold**\n"
+          "- {}: **not decided** (1 run is missing)\n\n## ate_m\n\n| sequence | fixed_10 |\n|---|---|\n\n## ate_deg\n\n"
           "| method | baseline | sequences | pairs |\n|---|---|---|---|\n| as_lio | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 "
           "|\n\n## Identical results\n\n- a and b do not differ\n",
-          kHostileText));
-  write_text(
-      folder / "verdict.md",
-      fmt::format(
-          "# Verdict: fixture\n\n- lower median: **holds**\n- {}: **undecided**\n\n| a | b |\n|---|---|\n| 1 | `2` |\n",
-          kHostileText));
+          kHostileText, kHostileText));
+  write_text(folder / "verdict.md", fmt::format("# Verdict: fixture\n\n- lower median: **holds**\n- {}: **not "
+                                                "decided**\n\n| a | b |\n|---|---|\n| 1 | `2` |\n",
+                                                kHostileText));
   std::string csv = "data,sequence,seed,order_seed,method,status,reason,ate_m,ate_deg,rate_hz,cpu_s_per_s\n";
   for (const char* data : {"loop_1", "loop_2", "turn_1", "turn_2"}) {
     const std::string name = data, sequence = name.substr(0, 4), seed = name.substr(5);

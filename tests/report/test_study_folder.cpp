@@ -43,6 +43,8 @@ TEST_CASE("a study is read from what it left") {
   CHECK(study.name == "fixture");
   CHECK_THAT(study.question, Contains("Which is better?"));
   CHECK(study.rule == "Lower median.");
+  REQUIRE(study.expectation.size() == 2);
+  CHECK(study.expectation[0] == "it pays: **does not hold**");
   CHECK(study.planned == 12);
   CHECK(study.metrics == std::vector<std::string>{"ate_m", "ate_deg"});
   CHECK(study.methods == std::vector<std::string>{"fixed_10", "as_lio", kHostile});
@@ -125,7 +127,7 @@ TEST_CASE("Markdown marks the best, the second and the failures") {
   const Fixture fixture;
   const std::string text = to_markdown(fixture.study());
   INFO(text);
-  CHECK_THAT(text, Contains("## ATE [cm]"));
+  CHECK_THAT(text, Contains("## ATE [cm]") && Contains("## Expectation\n\n- it pays: **does not hold**\n"));
   CHECK_THAT(text, Contains("| loop | <u>5.50</u> (5.00-6.00) | **2.50** (2.00-3.00) | - (40.00-40.00) 1- |"));
   CHECK_THAT(text, Contains("x: total failure") && Contains("-: severe divergence midway"));
   CHECK_THAT(text, Contains("| loop_2 | &lt;img src=x onerror=fail()&gt;&amp;\"' | diverged |"));

@@ -36,8 +36,9 @@ class StudyCase(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = pathlib.Path(folder.name)
 
-    def study(self, name, runs, planned=None, figures=("ate_m",), axes=()):
-        """`runs`: (sequence, seed, method, figures, status, values of the axes); the last two may be left out."""
+    def study(self, name, runs, planned=None, figures=("ate_m",), axes=(), expectation=()):
+        """`runs`: (sequence, seed, method, figures, status, values of the axes); the last two may be left out. `expectation`: lines
+        "RULE: **holds**" that the study has judged by itself."""
         text = ",".join(["data,sequence,seed,order_seed,method", *axes, "status,reason", *figures]) + "\n"
         for sequence, seed, method, values, *more in runs:
             status, at = more[0] if more else "ok", more[1] if len(more) > 1 else ()
@@ -47,7 +48,9 @@ class StudyCase(unittest.TestCase):
         (self.root / "results.csv").write_text(text)
         (self.root / "table.md").write_text(
             f"# {name}\n\n**Question.** Which?\n\n**Prediction.** This.\n\n**Rule.** The lower.\n\n"
-            f"{len(runs)} of {planned or len(runs)} runs. A cell is the median\n")
+            f"{len(runs)} of {planned or len(runs)} runs. A cell is the median\n" +
+            ("\n## Expectation\n\nAll in all: **holds**\n\n" + "".join(f"- {line}\n" for line in expectation) if expectation else "") +
+            "\n## ate_m\n\n- no claim: **holds**\n")
         return self.root
 
     def straight_truth(self, data, speed=1.0, seconds=10.0, text=""):

@@ -57,20 +57,6 @@ def literal_ladder(report, _):
                      True if True in ends else None if None in ends else False)
 
 
-def calibration_noise_kernel(report, _):
-    report.medians(report.study.methods)
-    others = [method for method in report.study.methods if method != "as_lio"]
-    report.comparison([(other, "as_lio") for other in others])
-    if not report.needs("as_lio"):
-        return
-    for other in others:
-        worse, count = raised(report, other, "as_lio")
-        better = report.medians_below(other, "as_lio", factor=0.9).won
-        harm = f"; lower on {better}: it does harm" if better >= NEEDED else ""
-        report.claim(f"needed: as_lio is worse by over 10 % as {other} on {worse} of {count} (needs {NEEDED} of {THREE}){harm}",
-                     at_least(worse, NEEDED, THREE, count))
-
-
 def map_consistency(report, _):
     study, found = report.study, {}
     for run in study.runs:

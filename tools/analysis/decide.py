@@ -3,8 +3,9 @@
 
   tools/analysis/decide.py out/window_ablation --tuning out/tuning
 
-Takes the output folder of `aslio experiment`. The rules are those of the files in experiments/, found by the name of the
-study. Exit 0 when all of the rule is decided, 1 when part of it cannot be (runs or sequences are missing, arms that must be
+Takes the output folder of `aslio experiment`. A study with an `expectation` has judged itself: its verdicts are those of its
+table.md. The rules of the others in experiments/, which need trajectories, telemetry, maps or another study, are here, found by
+the name of the study. Exit 0 when all of the rule is decided, 1 when part of it cannot be (runs or sequences are missing, arms that must be
 alike are not) or nothing of it is decided here, 2 when the folder is no study. Needs numpy.
 """
 import argparse
@@ -18,12 +19,15 @@ from report import Report
 from study_folder import FolderError, Study
 
 RULES = {name: getattr(rules, name) for name in (
-    "quickstart", "table_1", "adaptivity", "ideal_imu", "window_ablation", "yoked", "equal_points", "compute_saving", "dynamic_people",
-    "doorway_360", "echo", "history_ablation", "insertion_ablation", "map_ablation", "imu_rate_sweep", "seg_step",
+    "adaptivity", "ideal_imu", "window_ablation", "yoked", "equal_points", "compute_saving", "dynamic_people", "imu_rate_sweep",
     "history_by_noise")}
 RULES.update(degenerate_garage=garage.degenerate_garage, why=mechanism.why, map_consistency=ablations.map_consistency,
-             deskew_ablation=ablations.deskew_ablation, literal_ladder=ablations.literal_ladder,
-             calibration_noise_kernel=ablations.calibration_noise_kernel)
+             deskew_ablation=ablations.deskew_ablation, literal_ladder=ablations.literal_ladder)
+
+
+def rule_of(study, name=None):
+    """The rule of this name, or of the study: one that needs more than medians, or what the study itself has judged."""
+    return RULES.get(name or study.name, rules.by_expectation)
 
 
 def arguments(words):
@@ -41,7 +45,7 @@ def main(words):
     try:
         options.tuning = Study(options.tuning) if options.tuning else None
         report = Report(Study(options.study))
-        RULES.get(options.rule or report.study.name, rules.by_baseline)(report, options)
+        rule_of(report.study, options.rule)(report, options)
     except FolderError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

@@ -4,7 +4,7 @@ import math
 import pairs
 from pairs import LEAST_PAIRS, Tally
 
-WORDS = {True: "holds", False: "does not hold", None: "undecided"}
+WORDS = {True: "holds", False: "does not hold", None: "not decided"}
 
 
 def number(value, digits=4):

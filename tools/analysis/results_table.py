@@ -98,10 +98,7 @@ def revisions(study):
 def verdict(study, options):
     """The lines of the rule."""
     report = Report(study)
-    rule = decide.RULES.get(study.name)
-    if rule is None:
-        return ""
-    rule(report, options)
+    decide.rule_of(study)(report, options)
     return "\n".join(part for part in report.parts if part.startswith("- "))
 
 

@@ -5,7 +5,6 @@ Each takes the Report and the options of decide.py, and repeats in code the `rul
 import math
 import pathlib
 
-import divergence
 import pairs
 from rates import ALIKE, TITLES, Rates
 from report import at_least, number
@@ -24,17 +23,13 @@ def beats(report, method, other, needed, of, claim):
                  at_least(tally.won, needed, of, tally.count()))
 
 
-def beats_pairs(report, method, other, needed=None, of=None):
-    """Most pairs, or at least `needed` of `of`."""
+def beats_pairs(report, method, other):
+    """Most pairs."""
     if not report.needs(method, other):
         return
     tally = pairs.Tally.of(report.study.pairs(method, other, "ate_m"))
-    if needed is None:
-        report.claim(f"{method} wins {tally.won} of {tally.count()} pairs against {other} (needs most)",
-                     2 * tally.won > tally.count() if tally.count() else None)
-    else:
-        report.claim(f"{method} wins {tally.won} of {tally.count()} pairs against {other} (needs {needed} of {of})",
-                     at_least(tally.won, needed, of, tally.count()))
+    report.claim(f"{method} wins {tally.won} of {tally.count()} pairs against {other} (needs most)",
+                 2 * tally.won > tally.count() if tally.count() else None)
 
 
 def no_divergence(report, method):
@@ -46,22 +41,6 @@ def no_divergence(report, method):
 
 def against_all(report, method):
     report.comparison([(method, other) for other in report.study.methods if other != method])
-
-
-def quickstart(report, _):
-    report.comparison([("as_lio", "fixed_10")])
-    beats(report, "as_lio", "fixed_10", 1, 1, "lower median")
-
-
-def table_1(report, _):
-    divergence.set_marks(report.study)
-    report.medians(["fixed_10", "as_lio", "as_lio_paper_rate", "as_lio_literal"])
-    report.comparison([("as_lio", "fixed_10"), ("as_lio_paper_rate", "fixed_10"), ("as_lio_literal", "fixed_10"),
-                       ("as_lio", "as_lio_literal")])
-    for metric in ("ate_deg", "rpe", "end_to_end_m"):
-        report.comparison([("as_lio", "fixed_10")], metric)
-    beats(report, "as_lio", "fixed_10", 8, NINE, "better than the fixed window")
-    no_divergence(report, "as_lio")
 
 
 def adaptivity(report, options):
@@ -218,19 +197,6 @@ def dynamic_people(report, _):
         report.claim("people disturb the overlap: no updates to compare", None)
 
 
-def doorway_360(report, _):
-    against_all(report, "as_lio")
-    beats(report, "as_lio", "fixed_10", 1, 1, "lower median")
-    beats_pairs(report, "as_lio", "fixed_10", 8, 10)
-
-
-def echo(report, _):
-    report.medians(report.study.methods)
-    report.comparison([("as_lio", "no_echo"), ("ramp", "no_echo"), ("ramp", "as_lio")])
-    beats(report, "as_lio", "no_echo", 3, 5, "the echo serves")
-    beats_pairs(report, "as_lio", "no_echo")
-
-
 def no_other_below(report, default, others, factor, needed, of, claim):
     """No other method has a median below `factor` times that of the default on `needed` of `of` sequences."""
     for other in others:
@@ -240,41 +206,6 @@ def no_other_below(report, default, others, factor, needed, of, claim):
         below = at_least(tally.won, needed, of, tally.count())
         report.claim(f"{claim}: {other} is lower{'' if factor == 1 else f' by over {100 * (1 - factor):.0f} %'} than {default} "
                      f"on {tally.won} of {tally.count()} (must not on {needed} of {of})", None if below is None else not below)
-
-
-def history_ablation(report, _):
-    report.medians(report.study.methods)
-    against_all(report, "balanced")
-    others = [method for method in report.study.methods if method != "balanced"]
-    no_other_below(report, "balanced", others, 1, 6, NINE, "balanced is the default")
-    if report.needs("literal", "balanced"):
-        tally = report.medians_below("literal", "balanced", factor=1.1)
-        near = tally.won + tally.tied
-        report.claim(f"the paper's choice stands: literal within 10 % of balanced on {near} of {tally.count()} (needs 6 of {NINE})",
-                     at_least(near, 6, NINE, tally.count()))
-
-
-def insertion_ablation(report, _):
-    report.medians(report.study.methods)
-    points = [method for method in report.study.methods if method.startswith("points_")]
-    plain = [method for method in report.study.methods if method not in points]
-    for default, group in (("on_exit", plain), ("points_on_exit", points)):
-        others = [method for method in group if method != default]
-        report.comparison([(other, default) for other in others])
-        no_other_below(report, default, others, 0.9, 2, 3, f"{default} stands")
-
-
-def map_ablation(report, _):
-    for metric in ("ate_m", "cpu_s_per_s", "peak_rss_mb"):
-        report.medians(report.study.methods, metric)
-    maps = [method[len("as_lio_"):] for method in report.study.methods if method.startswith("as_lio_")]
-    report.comparison([(f"as_lio_{name}", f"fixed_10_{name}") for name in maps])
-    for name in maps:
-        beats(report, f"as_lio_{name}", f"fixed_10_{name}", 2, 3, "the gain is the window's")
-    best = [min(maps, key=lambda name: report.median(f"as_lio_{name}", sequence) or math.inf)
-            for sequence in report.study.sequences] if maps else []
-    report.text("Lowest median ATE of as_lio: " + ", ".join(
-        f"{name} on {best.count(name)} of {len(best)}" for name in maps) + ".")
 
 
 def imu_rate_sweep(report, _):
@@ -296,15 +227,6 @@ def by_axes(report, *axes):
     """Method of each combination of values."""
     return {tuple(float(v) if v.replace(".", "", 1).isdigit() else v for v in (run.axes.get(axis, "") for axis in axes)): run.method
             for run in report.study.runs}
-
-
-def seg_step(report, _):
-    for metric in ("ate_m", "updates", "cpu_s_per_s"):
-        report.medians(report.study.methods, metric)
-    default, paper = "frame_0.1_seg_step_0.1", "frame_0.1_seg_step_0.04"
-    no_other_below(report, default, [method for method in report.study.methods if method != default], 0.9, 2, 2,
-                   "the default is good")
-    beats(report, paper, default, 2, 2, "the paper's 125 Hz pays")
 
 
 def history_by_noise(report, _):
@@ -331,11 +253,15 @@ def history_by_noise(report, _):
                      people[0] > empty[0] if empty and people else None)
 
 
-def by_baseline(report, _):
-    """A study without a rule of its own here: against its first method."""
-    report.medians(report.study.methods)
-    first = report.study.methods[0]
-    report.comparison([(method, first) for method in report.study.methods[1:]])
-    script = pathlib.Path(__file__).with_name(report.study.name + ".py")
+def by_expectation(report, _):
+    """What the study has judged by itself, and its methods against their baselines."""
+    study = report.study
+    report.medians(study.methods)
+    report.comparison(study.baselines or [(method, study.methods[0]) for method in study.methods[1:]])
+    for text, outcome in study.expectation:
+        report.claim(text, outcome)
+    if study.expectation:
+        return
+    script = pathlib.Path(__file__).with_name(study.name + ".py")
     report.text(f"Its rule is decided by `tools/analysis/{script.name}`." if script.exists() else
-                "Its rule is not one that results.csv decides; the above are the figures.")
+                "It has no `expectation`; the above are the figures.")

@@ -10,6 +10,7 @@ import pathlib
 import re
 
 GOOD = ("ok", "degraded")
+OUTCOMES = {"holds": True, "does not hold": False, "not decided": None}
 FIXED_COLUMNS = ("data", "sequence", "seed", "order_seed", "method")
 
 
@@ -64,6 +65,10 @@ class Study:
         self.prediction = self._found(r"^\*\*Prediction\.\*\* (.+)$", text)
         self.rule = self._found(r"^\*\*Rule\.\*\* (.+)$", text)
         self.planned = int(self._found(r"^\d+ of (\d+) runs\.", text))
+        part = text.partition("\n## Expectation\n")[2].partition("\n## ")[0]
+        self.expectation = [(claim, OUTCOMES[outcome]) for claim, outcome in re.findall(r"^- (.+): \*\*([a-z ]+)\*\*", part, re.MULTILINE)]
+        part = text.partition("\n## What is compared\n")[2].partition("\n## ")[0]
+        self.baselines = re.findall(r"^\| ([^ |]+) \| ([^ |]+) \| (?!differs in)", part.partition("|---|")[2], re.MULTILINE)
         self.sequences = in_order(run.sequence for run in self.runs)
         self.methods = in_order(run.method for run in self.runs)
 

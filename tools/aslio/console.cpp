@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/sinks/base_sink.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -56,6 +57,20 @@ void show_bar(std::string_view text) { put(stderr, "\r\033[K" + printable(text))
 
 void clear_bar() {
   if (stderr_is_terminal()) put(stderr, "\r\033[K");
+}
+
+void show_block(std::string_view lines) { put(stderr, printable(lines)); }
+
+void clear_block(std::size_t lines) {
+  std::string text = "\r\033[K";
+  for (std::size_t i = 1; i < lines; ++i) text += "\033[A\033[K";  // one line up
+  put(stderr, text);
+}
+
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return known ? size.ws_col : 80;
 }
 
 bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) == 1; }

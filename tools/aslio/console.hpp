@@ -3,6 +3,7 @@
 
 #include <spdlog/logger.h>
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,7 +24,12 @@ void complain(std::string_view message);
 /// A bar on a terminal; overwritten by the next. Pre: stderr_is_terminal().
 void show_bar(std::string_view text);
 void clear_bar();
+/// Several lines, which stay until clear_block() with their number. Pre: stderr_is_terminal().
+void show_block(std::string_view lines);
+void clear_block(std::size_t lines);
 bool stderr_is_terminal();
+/// Columns; 80 where it does not say.
+std::size_t terminal_width();
 
 /// Logger that tells; `quiet` leaves warnings and errors only.
 std::shared_ptr<spdlog::logger> make_logger(bool quiet);

@@ -5,6 +5,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
+#include "aslio/experiment/study_expectation.hpp"
 #include "aslio/experiment/study_run.hpp"
 #include "aslio/experiment/study_slurm.hpp"
 #include "aslio/experiment/study_statistics.hpp"
@@ -15,6 +16,7 @@
 #include "interrupt.hpp"
 #include "options.hpp"
 #include "stages.hpp"
+#include "study_display.hpp"
 
 namespace aslio::cli {
 
@@ -30,18 +32,6 @@ struct Arguments {
   double poll = 10;
   double scale = 1;
   bool keep_data = false, dry_run = false, quiet = false;
-};
-
-class Monitor final : public experiment::StudyMonitor {
- public:
-  explicit Monitor(bool quiet) : quiet_(quiet) {}
-  void on_line(const std::string& line) override {
-    if (!quiet_) tell(line);
-  }
-  bool stop_requested() override { return interrupted(); }
-
- private:
-  bool quiet_;
 };
 
 std::optional<std::vector<std::uint64_t>> seeds_of(const std::string& text) {
@@ -79,7 +69,21 @@ void print_plan(const experiment::Study& study, const experiment::StudyOptions& 
   print(fmt::format("{} runs to do, {} finished\n", open, finished));
 }
 
-int report(const experiment::Study& study, const experiment::StudyResult& result, const Arguments& a) {
+/// What the study expected, rule by rule.
+void print_expectation(const experiment::Study& study, const experiment::StudyResult& result) {
+  const experiment::StudyFigures figures(study, result.runs, result.rows);
+  const auto rules = experiment::judge_expectation(study, result.runs, result.rows, figures);
+  if (rules.empty()) return;
+  print(fmt::format("expectation  {}\n", experiment::to_text(experiment::overall(rules))));
+  for (const auto& rule : rules) {
+    const std::string open = rule.open.empty() ? "" : fmt::format(" ({})", rule.open);
+    print(fmt::format("  {:<13}  {}{}\n", experiment::to_text(rule.verdict), rule.text, open));
+  }
+}
+
+int report(const experiment::Study& study, StudyDisplay& display, const experiment::StudyResult& result,
+           const Arguments& a) {
+  display.clear();
   if (result.interrupted) {
     complain(fmt::format("interrupted: the same command goes on where {} stops{}", a.output,
                          a.executor == "slurm" ? "; tasks in the queue go on by themselves" : ""));
@@ -90,6 +94,7 @@ int report(const experiment::Study& study, const experiment::StudyResult& result
     tell("warning: " + experiment::identical_text(study, same));
   }
   const bool tables = a.recording.empty();
+  if (!a.quiet && tables) print_expectation(study, result);
   if (!a.quiet && tables)
     print(fmt::format("output       {}: results.csv, statistics.csv, table.md, runs, data\n", a.output));
   if (failures == 0) return kSuccess;
@@ -152,14 +157,14 @@ int run_experiment(const Arguments& a) {
     print_plan(study, options);
     return kSuccess;
   }
-  Monitor monitor(a.quiet);
-  if (a.executor == "local") return report(study, experiment::run_study(study, options, monitor), a);
+  StudyDisplay display(a.quiet, stderr_is_terminal());
+  if (a.executor == "local") return report(study, display, experiment::run_study(study, options, display), a);
   experiment::SlurmOptions slurm;
   slurm.command = command_of(a);
   slurm.sbatch = a.sbatch;
   slurm.throttle = a.throttle;
   slurm.poll_s = a.poll;
-  return report(study, experiment::run_study_on_slurm(study, options, slurm, monitor), a);
+  return report(study, display, experiment::run_study_on_slurm(study, options, slurm, display), a);
 }
 
 void add_options(CLI::App& app, Arguments& a) {

@@ -4,6 +4,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <vector>
+
+#include "aslio/evaluation/alignment.hpp"
 
 namespace aslio::experiment {
 
@@ -59,7 +62,65 @@ class RunningAlignment {
   Mat3 cross_ = Mat3::Zero();
 };
 
+/// Path of the reference up to each of its samples [m].
+std::vector<double> travelled(const Trajectory& reference) {
+  std::vector<double> path;
+  for (const StampedPose& sample : reference.samples()) {
+    const double step = path.empty() ? 0 : (sample.T.p - reference.samples()[path.size() - 1].T.p).norm();
+    path.push_back(path.empty() ? 0 : path.back() + step);
+  }
+  return path;
+}
+
+/// Path at a moment, held at both ends.
+double path_at(const Trajectory& reference, const std::vector<double>& path, TimeNs t) {
+  const auto samples = reference.samples();
+  const auto after = std::upper_bound(samples.begin(), samples.end(), t,
+                                      [](TimeNs moment, const StampedPose& sample) { return moment < sample.t; });
+  const auto k = static_cast<std::size_t>(after - samples.begin());
+  if (k == 0 || k == samples.size()) return k == 0 ? 0 : path.back();
+  const double share = to_seconds(t - samples[k - 1].t) / to_seconds(samples[k].t - samples[k - 1].t);
+  return path[k - 1] + share * (path[k] - path[k - 1]);
+}
+
+/// Lays the estimate on the reference by the poses of its first second that the reference covers.
+std::optional<Pose> laid_on(std::span<const StampedPose> poses, const Trajectory& reference, TimeNs max_gap) {
+  Mat3 rotations = Mat3::Zero();
+  std::vector<evaluation::PosePair> pairs;
+  for (const StampedPose& estimate : poses) {
+    if (!pairs.empty() && estimate.t > pairs.front().t + kSecond) break;
+    const auto truth = reference.pose(estimate.t, max_gap);
+    if (!truth) continue;
+    pairs.push_back({estimate.t, estimate.T, *truth});
+    rotations += truth->R * estimate.T.R.transpose();
+  }
+  if (pairs.empty()) return std::nullopt;
+  const Mat3 R = evaluation::nearest_rotation(rotations);
+  Vec3 shift = Vec3::Zero();
+  for (const evaluation::PosePair& pair : pairs) shift += pair.reference.p - R * pair.estimate.p;
+  return Pose{R, shift / static_cast<double>(pairs.size())};
+}
+
 }  // namespace
+
+std::optional<double> failed_after(std::span<const StampedPose> poses, const Trajectory& reference,
+                                   std::optional<TimeNs> other) {
+  if (reference.samples().size() < 2) return std::nullopt;
+  const TimeNs max_gap = to_ns(measuring_options(reference, evaluation::Rule::interpolated).max_reference_gap);
+  const std::vector<double> path = travelled(reference);
+  const auto share = [&](TimeNs t) { return path.back() > 0 ? path_at(reference, path, t) / path.back() : 0.0; };
+  const auto laid = laid_on(poses, reference, max_gap);
+  if (!laid) return other ? std::optional(share(*other)) : std::optional(0.0);
+  for (const StampedPose& estimate : poses) {
+    if (other && estimate.t >= *other) break;
+    const auto truth = reference.pose(estimate.t, max_gap);
+    if (!truth) continue;
+    const double error = (laid->R * estimate.T.p + laid->p - truth->p).norm();
+    if (error <= kDivergedError || error <= kDivergedShare * path_at(reference, path, estimate.t)) continue;
+    return share(estimate.t);
+  }
+  return other ? std::optional(share(*other)) : std::nullopt;
+}
 
 std::optional<std::pair<TimeNs, std::string>> find_divergence(const evaluation::Evaluation& evaluation,
                                                               std::span<const StampedPose> poses,

@@ -221,6 +221,16 @@ void measure(Summary& summary, const std::vector<StampedPose>& poses, const Traj
   }
 }
 
+/// Pre: the run has been judged.
+void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference) {
+  if (reference.samples().empty()) return;
+  const auto& poses = collector.poses();
+  std::optional<TimeNs> other = collector.lost_at(reference.samples().back().t);
+  const bool good = summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded;
+  if (!good && !poses.empty()) other = std::min(other.value_or(kTimeMax), poses.back().t);
+  summary.failed_at = failed_after(poses, reference, other);
+}
+
 }  // namespace
 
 RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMonitor& monitor,
@@ -258,6 +268,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     }
   }
   judge(summary, outcome);
+  if (prepared.reference) mark_failure(summary, loop.collector(), *prepared.reference);
   result.bad_data = blames_data(summary, loop.bad_data());
 
   write_file(options.output / "resolved.yaml", prepared.pipeline.resolved);

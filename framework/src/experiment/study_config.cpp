@@ -7,6 +7,7 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/experiment/study.hpp"
+#include "aslio/experiment/study_expectation.hpp"
 
 namespace aslio::experiment {
 
@@ -89,11 +90,48 @@ void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
             "must be a block of dotted paths and values, as in {window.period: 0.05}");
 }
 
+void StudyExpectationConfig::describe(config::Binder& b, StudyExpectationConfig& rule) {
+  b.text("claim", rule.claim, "what it means if it holds; stands before the verdict");
+  b.text("method", rule.method, "method that the rule is about, with the suffixes of axes; required");
+  b.text("against", rule.against, "method to compare it with");
+  b.text("metric", rule.metric, "figure that is compared");
+  b.text("lower_on", rule.lower_on,
+         "where the method must be lower: '8 of 9 sequences' by their medians, '7 of 10 pairs' of runs, 'most pairs'");
+  b.text("higher_on", rule.higher_on, "where it must be higher");
+  b.text("not_lower_on", rule.not_lower_on, "the same, and it must not be so: lower on '2 of 3 sequences' is too many");
+  b.text("not_higher_on", rule.not_higher_on, "the same for higher");
+  b.real("times", rule.times, "", {.above = 0.0, .max = 1000.0},
+         "lower or higher than so many times the figure of `against`");
+  b.texts("sequences", rule.sequences, {}, "the rule is about these; empty: all");
+  b.optional_real("failures", rule.failures, "", {.min = 0.0}, "the rule is a comparison",
+                  "in place of a comparison: most runs of the method that may fail or diverge");
+  b.require(!rule.method.empty(), "method", "is required: name one of `methods`");
+  const std::vector<std::pair<std::string_view, const std::string*>> counts = {{"lower_on", &rule.lower_on},
+                                                                               {"higher_on", &rule.higher_on},
+                                                                               {"not_lower_on", &rule.not_lower_on},
+                                                                               {"not_higher_on", &rule.not_higher_on}};
+  int kinds = rule.failures ? 1 : 0;
+  for (const auto& [key, text] : counts) {
+    kinds += text->empty() ? 0 : 1;
+    b.require(text->empty() || parse_required_count(*text), key,
+              "must be as in 8 of 9 sequences, 7 of 10 pairs or most pairs");
+  }
+  b.require(kinds == 1, "lower_on",
+            "higher_on, not_lower_on, not_higher_on and failures exclude each other, and one is required");
+  b.require(rule.failures || !rule.against.empty(), "against", "is required: name the method to compare with");
+  b.require(!rule.failures || rule.against.empty(), "against", "goes with lower_on and its like");
+  b.require(!rule.failures || *rule.failures == std::floor(*rule.failures), "failures", "must be a whole number");
+  const auto& metrics = study_metrics();
+  b.require(std::find(metrics.begin(), metrics.end(), rule.metric) != metrics.end(), "metric",
+            fmt::format("'{}' is none of {}", rule.metric, fmt::join(metrics, ", ")));
+}
+
 void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   constexpr double kMostSeed = 9007199254740991.0;  // whole numbers beyond it are not exact
   b.text("question", study.question, "what the study asks; required");
   b.text("prediction", study.prediction, "what is expected, and why; required");
   b.text("rule", study.rule, "what outcome decides it, and how; required");
+  b.groups("expectation", study.expectation, "rules that the engine judges by itself, once the runs are there");
   b.groups("datasets", study.datasets, "the data, one table row per entry; required");
   b.groups("methods", study.methods, "the pipelines, one table column each; required");
   b.groups("vary", study.vary, "axes: every method is run at every combination of their points");

@@ -13,6 +13,7 @@
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/study.hpp"
+#include "aslio/experiment/study_expectation.hpp"
 #include "aslio/pipeline/stage_set.hpp"
 #include "study_axes.hpp"
 
@@ -82,6 +83,7 @@ class Reader {
     require_distinct_data();
     lay_out_methods();
     find_baselines();
+    check_rules();
     problems_.raise();
     return std::move(study_);
   }
@@ -315,6 +317,14 @@ class Reader {
       study_.baseline[i] = base;
       require_named_differences(study_.methods[i], study_.methods[*base]);
     }
+  }
+
+  void check_rules() {
+    if (problems_.size() > 0) return;
+    check_expectation(study_, reading_.seeds.has_value(),
+                      [this](std::size_t rule, std::string_view key, const std::string& message) {
+                        problems_.add(place("expectation", rule, key), fmt::format("'{}': {}", key, message));
+                      });
   }
 
   /// A comparison is fair where the study says what is compared.

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
 
 namespace aslio::experiment {
@@ -65,6 +66,10 @@ std::vector<std::string> figure_names(const std::vector<std::optional<StudyRow>>
 std::optional<double> StudyRow::figure(std::string_view name) const {
   const auto at = std::find_if(figures.begin(), figures.end(), [&](const auto& f) { return f.first == name; });
   return at != figures.end() ? std::optional(at->second) : std::nullopt;
+}
+
+bool failed_late(std::string_view status, const std::optional<double>& failed_at) {
+  return failed_at ? *failed_at >= kEarlyShare : status == "diverged";
 }
 
 void write_outcome(const fs::path& folder, const std::string& key, const StudyOutcome& outcome) {

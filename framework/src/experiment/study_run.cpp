@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kLook = 5;                    // between looks at the children [ms]
+constexpr double kShow = 0.2;               // between reports of progress [s]
 constexpr double kGrace = 10;               // for children to end after Ctrl-C [s]
 constexpr double kSimulationLimit = 86400;  // [s]
 constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C itself
@@ -76,6 +77,7 @@ class Schedule {
         changed_ = start_next();
       }
       if (active_.empty()) break;
+      show();
       ::poll(nullptr, 0, kLook);  // or until a signal comes
     }
     write_tables();
@@ -96,6 +98,7 @@ class Schedule {
     std::size_t data = 0;
     fs::path folder, log;
     std::unique_ptr<ChildProcess> child;
+    Clock::time_point begun = Clock::now();
   };
 
   bool asks_for(std::string_view output) const {
@@ -279,6 +282,24 @@ class Schedule {
     if (seconds_since(written_) > 100 * writing_s_) write_tables();
   }
 
+  /// By the pace of this call.
+  std::optional<double> left_s() const {
+    if (done_ == 0 || done_ >= total_) return std::nullopt;
+    return seconds_since(start_) / static_cast<double>(done_) * static_cast<double>(total_ - done_);
+  }
+
+  void show() {
+    if (seconds_since(shown_) < kShow) return;
+    shown_ = Clock::now();
+    StudyProgress progress{.total = total_, .done = done_, .failed = failed_, .left_s = left_s(), .active = {}};
+    for (const Active& active : active_) {
+      const std::string& data = study_.data[active.data].name;
+      progress.active.push_back({active.run ? data + "/" + result_.runs[*active.run].folder : data + ": simulation",
+                                 seconds_since(active.begun)});
+    }
+    monitor_.on_progress(progress);
+  }
+
   /// "[3/90] indoor_1_3/as_lio: ok, ate_m 0.0312, 14.2 s; 0:14:20 left".
   void tell(std::size_t i) {
     const StudyRow& row = *result_.rows[i];
@@ -288,9 +309,8 @@ class Schedule {
     const std::string& metric = study_.config.metrics.front();
     if (const auto value = row.figure(metric)) line += fmt::format(", {} {:.4g}", metric, *value);
     line += fmt::format(", {:.1f} s", row.outcome.wall_s);
-    if (done_ < total_) {
-      const double left = seconds_since(start_) / static_cast<double>(done_) * static_cast<double>(total_ - done_);
-      const auto s = static_cast<long>(std::lround(left));
+    if (const auto left = left_s()) {
+      const auto s = static_cast<long>(std::lround(*left));
       line += fmt::format("; {}:{:02}:{:02} left", s / 3600, s / 60 % 60, s % 60);
     }
     failed_ += row.good() ? 0 : 1;
@@ -317,7 +337,7 @@ class Schedule {
   std::vector<Active> active_;
   std::size_t total_ = 0, done_ = 0, failed_ = 0;  ///< runs of this call
   bool changed_ = true;                            ///< since the last look for something to start
-  Clock::time_point start_ = Clock::now(), stopped_, written_;
+  Clock::time_point start_ = Clock::now(), stopped_, written_, shown_;
   double writing_s_ = 0;  ///< the tables took so long last time
 };
 

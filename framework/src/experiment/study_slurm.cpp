@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLargestArray = 1000;  // Slurm's MaxArraySize is 1001 unless a site raises it
+constexpr double kShow = 0.5;                // between reports of progress [s]
 constexpr int kLooksUntilLost = 2;           // without a trace: a shared disk shows files a little later
 
 /// First complaint in the log of a task.
@@ -81,6 +82,7 @@ class Cluster {
     SlurmArray array;
     std::size_t index = 0;
     int unseen = 0;  ///< looks at the queue without it
+    Clock::time_point since = Clock::now();
   };
 
   /// Tasks of an earlier call that are still there.
@@ -137,9 +139,27 @@ class Cluster {
     const auto begin = Clock::now();
     while (std::chrono::duration<double>(Clock::now() - begin).count() < slurm_.poll_s) {
       if (monitor_.stop_requested()) return false;
+      show();
       ::poll(nullptr, 0, 50);
     }
     return !monitor_.stop_requested();
+  }
+
+  void show() {
+    if (std::chrono::duration<double>(Clock::now() - shown_).count() < kShow) return;
+    shown_ = Clock::now();
+    StudyProgress progress{.total = total_, .done = done_, .failed = failed_, .left_s = {}, .active = {}};
+    const auto since = [](Clock::time_point then) {
+      return std::chrono::duration<double>(Clock::now() - then).count();
+    };
+    if (done_ > 0 && done_ < total_) {
+      progress.left_s = since(start_) / static_cast<double>(done_) * static_cast<double>(total_ - done_);
+    }
+    for (const Task& task : tasks_) {
+      progress.active.push_back(
+          {fmt::format("{}: task {}", study_.data[task.data].name, task.array.task(task.index)), since(task.since)});
+    }
+    monitor_.on_progress(progress);
   }
 
   void look() {
@@ -232,6 +252,7 @@ class Cluster {
   std::vector<Task> tasks_;                     ///< submitted
   std::size_t total_ = 0, done_ = 0, failed_ = 0;
   bool reachable_ = true;
+  Clock::time_point start_ = Clock::now(), shown_;
 };
 
 }  // namespace

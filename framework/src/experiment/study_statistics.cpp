@@ -74,6 +74,7 @@ StudyFigures::StudyFigures(const Study& study, const std::vector<StudyRun>& runs
 
 std::optional<double> StudyFigures::value(std::size_t run, const std::string& metric) const {
   if (!rows_[run]) return std::nullopt;
+  if (metric == "end_to_end_m" && rows_[run]->figure("failed_at")) return kFailedFigure;
   return rows_[run]->good() ? rows_[run]->figure(metric) : std::optional(kFailedFigure);
 }
 
@@ -83,7 +84,9 @@ Replicates StudyFigures::replicates(std::size_t sequence, std::size_t method, co
     const auto v = value(run, metric);
     if (!v || std::isnan(*v)) continue;
     out.values.push_back(*v);
-    if (*v == kFailedFigure) ++out.failed;
+    if (*v != kFailedFigure) continue;
+    ++out.failed;
+    out.late += failed_late(rows_[run]->outcome.status, rows_[run]->figure("failed_at")) ? 1 : 0;
   }
   std::sort(out.values.begin(), out.values.end());
   return out;

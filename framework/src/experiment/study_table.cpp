@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "aslio/experiment/study_expectation.hpp"
 #include "aslio/experiment/study_results.hpp"
 #include "aslio/experiment/study_statistics.hpp"
 #include "aslio/io/writers.hpp"
@@ -11,6 +12,11 @@
 namespace aslio::experiment {
 
 namespace {
+
+constexpr std::string_view kEndToEndFootnote =
+    "\nA run has failed, too, when its position is off by more than 2 m and 5 % of the way travelled (laid on the "
+    "truth "
+    "over the first second), is not finite, or no update has been accepted for more than 1 s, whatever it ends in.\n";
 
 class Tables {
  public:
@@ -24,13 +30,16 @@ class Tables {
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "**Question.** {}\n\n**Prediction.** {}\n\n**Rule.** {}\n\n", paragraph(config.question),
                    paragraph(config.prediction), paragraph(config.rule));
-    fmt::format_to(out,
-                   "{} of {} runs. A cell is the median over seeds with smallest and largest in brackets; a run that "
-                   "failed or diverged counts as worse than any figure, `2x` tells how many did, `x` that the median "
-                   "is one of them, `-` that there is no figure.\n",
-                   done, runs_.size());
+    fmt::format_to(
+        out,
+        "{} of {} runs. A cell is the median over seeds with smallest and largest in brackets. A run that "
+        "failed or diverged counts as worse than any figure: `x` if before a tenth of the way, `-` if later; "
+        "alone, the median is one of them, `2x` and `1-` tell how many. An empty cell has no figure.\n",
+        done, runs_.size());
+    text += expectation();
     for (const std::string& metric : config.metrics) {
       text += metric_table(metric);
+      if (metric == "end_to_end_m") text += kEndToEndFootnote;
       text += comparison(metric);
     }
     return text + differences() + identical() + failures();
@@ -44,13 +53,24 @@ class Tables {
     return text;
   }
 
+  std::string expectation() const {
+    const std::vector<JudgedRule> rules = judge_expectation(study_, runs_, rows_, figures_);
+    if (rules.empty()) return {};
+    std::string text = fmt::format("\n## Expectation\n\nAll in all: **{}**\n\n", to_text(overall(rules)));
+    for (const JudgedRule& rule : rules) text += fmt::format("- {}\n", to_markdown(rule));
+    return text;
+  }
+
   static std::string cell(const Replicates& r) {
     const auto median = r.median();
-    if (!median) return "-";
-    std::string text = *median == kFailedFigure ? "x" : fmt::format("{:.4g}", *median);
+    if (!median) return "";
+    const std::string_view mark = 2 * r.late > r.failed ? "-" : "x";
+    std::string text = *median == kFailedFigure ? std::string(mark) : fmt::format("{:.4g}", *median);
     const std::size_t good = r.values.size() - r.failed;
     if (good > 0 && r.values.size() > 1) text += fmt::format(" ({:.4g}-{:.4g})", r.values[0], r.values[good - 1]);
-    if (r.failed > 0 && r.values.size() > 1) text += fmt::format(" {}x", r.failed);
+    if (r.values.size() < 2) return text;
+    if (r.failed > r.late) text += fmt::format(" {}x", r.failed - r.late);
+    if (r.late > 0) text += fmt::format(" {}-", r.late);
     return text;
   }
 
@@ -147,6 +167,13 @@ class Tables {
   StudyFigures figures_;
 };
 
+/// The study as it was run.
+std::string resolved_text(const Study& study) {
+  return fmt::format("# {}: every key at its effective value; paths are relative to {}\n{}",
+                     study.path.filename().string(),
+                     std::filesystem::absolute(study.path).lexically_normal().parent_path().string(), study.resolved);
+}
+
 }  // namespace
 
 std::string results_markdown(const Study& study, const std::vector<StudyRun>& runs,
@@ -161,6 +188,7 @@ void write_study_tables(const Study& study, const std::vector<StudyRun>& runs,
     file.write(text);
     file.close();
   };
+  write("study.yaml", resolved_text(study));
   write("results.csv", results_csv(study, runs, rows));
   write("statistics.csv", statistics_csv(study, StudyFigures(study, runs, rows)));
   write("table.md", results_markdown(study, runs, rows));

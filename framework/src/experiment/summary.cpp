@@ -113,6 +113,7 @@ Json metrics(const Summary& s) {
     }
   }
   out["end_to_end_m"] = or_null(s.end_to_end_m);
+  out["failed_at"] = or_null(s.failed_at);
   out["matched"] = s.evaluation ? Json(s.evaluation->matched_share) : Json(nullptr);
   if (!s.evaluation_error.empty()) out["error"] = s.evaluation_error;
   return out;

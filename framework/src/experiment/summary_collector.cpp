@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aslio/experiment/measure.hpp"
 #include "aslio/experiment/summary.hpp"
 
 namespace aslio::experiment {
@@ -41,12 +42,21 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
   } else if (!plan.partial) {
     steps_.push_back(plan.end - plan.fresh_begin);
   }
-  if (record.state.R.allFinite() && record.state.p.allFinite()) poses_.push_back({plan.end, record.state.pose()});
+  if (!first_end_) first_end_ = plan.end;
+  if (record.state.R.allFinite() && record.state.p.allFinite()) {
+    poses_.push_back({plan.end, record.state.pose()});
+  } else if (!not_finite_) {
+    not_finite_ = plan.end;
+  }
   windows_ += plan.end - plan.fresh_begin;
   if (is_weak(record.status)) weak_ += plan.end - plan.fresh_begin;
   const bool initialising = record.status == UpdateStatus::initialising;
   matchable_points_ += record.update->match_points.size();
-  if (record.update->accepted) ++accepted_;
+  if (record.update->accepted) {
+    ++accepted_;
+    if (last_accepted_ && plan.end - *last_accepted_ > kMostSilence && !silent_from_) silent_from_ = last_accepted_;
+    last_accepted_ = plan.end;
+  }
   // A window that starts the map does so by the points that enter it.
   if (record.update->accepted || (initialising && record.inserted.inserted > 0)) {
     covered_ += plan.end - plan.fresh_begin;
@@ -60,6 +70,17 @@ void SummaryCollector::on_arrival(const Measurement& measurement, const stream::
   if (const auto* imu = std::get_if<ImuSample>(&measurement)) return widen(imu_gap_, stream.last_imu(), imu->t);
   const TimeNs last = stream.last_point();
   widen(point_gap_, last, first_after(std::get<LidarPacket>(measurement), last));
+}
+
+std::optional<TimeNs> SummaryCollector::lost_at(TimeNs end) const {
+  std::optional<TimeNs> silent = silent_from_;
+  if (!last_accepted_) {
+    silent = first_end_;
+  } else if (!silent && end - *last_accepted_ > kMostSilence) {
+    silent = last_accepted_;
+  }
+  if (silent && not_finite_) return std::min(*silent, *not_finite_);
+  return silent ? silent : not_finite_;
 }
 
 void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& stream,

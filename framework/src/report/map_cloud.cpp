@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kUnit = 0.01;       // [m]
-constexpr double kFirstVoxel = 0.1;  // [m]
-constexpr double kFar = 1e5;         // [m] beyond this no point is meant
+constexpr double kUnit = 0.01;        // [m]
+constexpr double kFirstVoxel = 0.03;  // [m] a room shows its furniture
+constexpr double kFar = 1e5;          // [m] beyond this no point is meant
 
 /// One point per voxel; the voxels grow when there are too many.
 class Thinned {

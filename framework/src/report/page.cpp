@@ -195,6 +195,7 @@ Json study_json(const StudyFolder& study, const PageLimits& limits) {
                {"prediction", study.prediction},
                {"rule", study.rule},
                {"verdict", study.verdict},
+               {"expectation", study.expectation},
                {"identical", study.identical},
                {"planned", study.planned.value_or(study.runs.size())},
                {"axes", study.axes},

@@ -131,7 +131,10 @@ void take_line(StudyFolder& study, const std::string& line, std::string& part, b
     part = *title;
     if (study.figure(*title)) add_once(study.metrics, *title);
   }
-  if (const auto item = after("- "); item && part == "Identical results") study.identical.push_back(*item);
+  if (const auto item = after("- ")) {
+    if (part == "Identical results") study.identical.push_back(*item);
+    if (part == "Expectation") study.expectation.push_back(*item);
+  }
   if (const std::size_t of = line.find(" of "); of != std::string::npos && !study.planned) {
     std::size_t planned = 0;
     const std::string_view rest = std::string_view(line).substr(of + 4);

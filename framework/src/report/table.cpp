@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "aslio/experiment/study_results.hpp"
+
 namespace aslio::report {
 
 namespace {
@@ -45,8 +47,15 @@ double median_of(const std::vector<double>& sorted) {
   return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
 }
 
-/// Figure of a run, infinite for a failure; nothing when a good run has no such figure.
-std::optional<double> value_of(const FolderRun& run, std::size_t figure) {
+std::optional<double> failed_at(const StudyFolder& study, const FolderRun& run) {
+  const auto figure = study.figure("failed_at");
+  return figure ? run.figures[*figure] : std::nullopt;
+}
+
+/// Figure of a run, infinite for a failure; nothing when a good run has no such figure. The end-to-end error fails on
+/// the way, too: a run may come back to its beginning from anywhere.
+std::optional<double> value_of(const StudyFolder& study, const FolderRun& run, std::size_t figure) {
+  if (study.figures[figure] == "end_to_end_m" && failed_at(study, run)) return kFailed;
   return run.good() ? run.figures[figure] : std::optional(kFailed);
 }
 
@@ -55,10 +64,10 @@ Cell cell_of(const StudyFolder& study, const std::string& sequence, const std::s
   std::vector<double> values;
   for (const FolderRun& run : study.runs) {
     if (run.method != method || run.sequence != sequence) continue;
-    const auto value = value_of(run, figure);
+    const auto value = value_of(study, run, figure);
     if (!value) continue;
     values.push_back(*value);
-    if (*value == kFailed) ++(run.status == "diverged" ? cell.diverged : cell.failed);
+    if (*value == kFailed) ++(experiment::failed_late(run.status, failed_at(study, run)) ? cell.diverged : cell.failed);
   }
   cell.runs = values.size();
   if (values.empty()) return cell;
@@ -73,7 +82,7 @@ Cell cell_of(const StudyFolder& study, const std::string& sequence, const std::s
     cell.mark = Mark::value;
     cell.median = median;
   } else {
-    cell.mark = cell.failed == 0 ? Mark::diverged : Mark::failed;
+    cell.mark = cell.diverged > cell.failed ? Mark::diverged : Mark::failed;
   }
   return cell;
 }
@@ -106,7 +115,7 @@ std::vector<std::pair<double, double>> pairs_of(const StudyFolder& study, std::s
     if (a.method != study.methods[method]) continue;
     for (const FolderRun& b : study.runs) {
       if (b.method != study.methods[other] || b.data != a.data || b.order_seed != a.order_seed) continue;
-      const auto x = value_of(a, figure), y = value_of(b, figure);
+      const auto x = value_of(study, a, figure), y = value_of(study, b, figure);
       if (x && y) found.emplace_back(*x, *y);
     }
   }

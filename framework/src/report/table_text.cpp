@@ -227,6 +227,8 @@ std::string to_markdown(const StudyFolder& study) {
   paragraph("Prediction", study.prediction);
   paragraph("Rule", study.rule);
   fmt::format_to(out, "{} of {} runs.\n", study.runs.size(), study.planned.value_or(study.runs.size()));
+  if (!study.expectation.empty()) text += "\n## Expectation\n\n";
+  for (const std::string& rule : study.expectation) fmt::format_to(out, "- {}\n", without_tags(rule));
   for (const MetricTable& table : make_tables(study, study.metrics)) {
     text += markdown_table(study, table) + markdown_comparison(study, table);
   }

@@ -19,6 +19,7 @@ class Chart {
     this.height = height;
     whenNear(this.place, () => {
       this.near = true;
+      this.draw();
       new ResizeObserver(() => this.draw()).observe(this.place);
     });
   }

@@ -54,6 +54,7 @@ class Explorer {
     if (!Number.isFinite(this.begin)) [this.begin, this.end] = [0, 1];
     this.slider.min = this.begin;
     this.slider.max = this.end;
+    this.space.resize();
     this.space.show({
       runs: courses.filter(({course}) => course.path).map(({run, course}) => ({path: course.path, colour: this.colour(run), name: run.method})),
       truth, map,
@@ -152,7 +153,7 @@ class Explorer {
       options: study.recordings.filter((group) => group.sequence === sequence).map((group) => [group.key, group.key]),
     }));
     this.picker = select('recording', bySequence, this.choice.get('recording'), (recording) => this.choice.set({recording}));
-    this.mapBox = h('label', null, h('input', {type: 'checkbox', checked: true, onchange: (event) => space.set({map: event.target.checked})}), ' map');
+    this.mapBox = select('map', [['cut', 'map, cut open'], ['whole', 'whole map'], ['none', 'no map']], 'cut', (map) => space.set({map}));
     const redraw = () => this.drawLegend(study.recording(this.group.data).truth);
     this.speed = 5;
     return {

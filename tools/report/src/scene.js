@@ -9,7 +9,9 @@ import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
 import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
 import {indexAt} from './decode.js';
 import {h} from './dom.js';
-import {ink, ramp} from './theme.js';
+import {dark, ink, onPaper, ramp} from './theme.js';
+
+const OPENED_M = 0.5;  // above the highest path
 
 /** Smallest and largest of each coordinate of the paths. */
 function boundsOf(paths) {
@@ -47,7 +49,7 @@ export class SpaceView {
       onkeydown: (event) => this.key(event)});
     this.items = [];
     this.time = 0;
-    this.settings = {colour: 'method', times: 1, map: true};
+    this.settings = {colour: 'method', times: 1, map: 'cut'};
   }
 
   /** Takes a canvas; not before it is looked at, as that may take a while. */
@@ -71,7 +73,9 @@ export class SpaceView {
 
   resize() {
     const {clientWidth: width, clientHeight: height} = this.element;
-    if (!this.renderer || !width || !height) return;
+    // On paper the browser takes the picture that is there, and fits it in.
+    if (!this.renderer || !width || !height || (onPaper() && this.sized)) return;
+    this.sized = true;
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -149,7 +153,7 @@ export class SpaceView {
     grid.rotation.x = Math.PI / 2;
     grid.position.set((low.x + high.x) / 2, (low.y + high.y) / 2, low.z - 0.02 * this.size);
     this.add(grid);
-    if (map && this.settings.map) this.add(this.cloud(map));
+    if (map && this.settings.map !== 'none') this.add(this.cloud(map));
     if (truth) this.add(this.line(truth, () => new Color(ink('truth')), 1, 5, 0.55));
     for (const run of runs) this.addRun(run);
     this.seek(this.time);
@@ -200,18 +204,25 @@ export class SpaceView {
     return new Line2(geometry, material);
   }
 
+  /** Points by height; cut open above the paths, or else a ceiling hides what is below. */
   cloud(map) {
-    const n = map.x.length, positions = new Float32Array(3 * n), colours = new Float32Array(3 * n);
-    const low = quantile(map.z, 0.02), high = Math.max(quantile(map.z, 0.98), low + 1e-3), c = new Color();
-    for (let i = 0; i < n; i++) {
-      positions.set([map.x[i], map.y[i], map.z[i]], 3 * i);
-      c.setRGB(...ramp((map.z[i] - low) / (high - low)), 'srgb');
-      colours.set([c.r, c.g, c.b], 3 * i);
-    }
+    const top = this.settings.map === 'cut' ? this.bounds.high.z + OPENED_M : Infinity;
+    const kept = [...map.z.keys()].filter((i) => map.z[i] <= top);
+    const positions = new Float32Array(3 * kept.length), colours = new Float32Array(3 * kept.length);
+    const heights = kept.map((i) => map.z[i]);
+    const low = quantile(heights, 0.02), high = Math.max(quantile(heights, 0.98), low + 1e-3), c = new Color();
+    // The end of the scale that the background would swallow is left out.
+    const [from, to] = dark() ? [0.25, 1] : [0, 0.75];
+    kept.forEach((i, k) => {
+      positions.set([map.x[i], map.y[i], map.z[i]], 3 * k);
+      const share = Math.min(Math.max((map.z[i] - low) / (high - low), 0), 1);
+      c.setRGB(...ramp(from + share * (to - from)), 'srgb');
+      colours.set([c.r, c.g, c.b], 3 * k);
+    });
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(positions, 3));
     geometry.setAttribute('color', new BufferAttribute(colours, 3));
-    return new Points(geometry, new PointsMaterial({size: 1.6, sizeAttenuation: false, vertexColors: true, transparent: true, opacity: 0.5}));
+    return new Points(geometry, new PointsMaterial({size: 2.2, sizeAttenuation: false, vertexColors: true, transparent: true, opacity: 0.8, depthWrite: false}));
   }
 
   /** Puts the markers where the runs were at `time`; what was before is drawn in full. */
@@ -245,7 +256,9 @@ export class SpaceView {
   }
 
   render() {
-    if (this.pending || !this.renderer) return;
+    if (!this.renderer) return;
+    if (onPaper()) this.renderer.render(this.scene, this.camera);  // there is no next frame before the page is taken
+    if (this.pending) return;
     this.pending = true;
     requestAnimationFrame(() => {
       this.pending = false;

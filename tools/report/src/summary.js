@@ -10,15 +10,25 @@ function questionCards(study) {
   return cards.some(Boolean) && h('div', {class: 'cards'}, cards);
 }
 
-const OUTCOMES = {holds: ['good', 'holds'], 'does not hold': ['bad', 'does not hold'], undecided: ['open', 'undecided']};
+const OUTCOMES = {holds: ['good', 'holds'], 'does not hold': ['bad', 'does not hold'], 'not decided': ['open', 'not decided']};
+
+const claimsOf = (text) => [...text.matchAll(/^- ([^\n]+): \*\*(holds|does not hold|not decided)( so far)?\*\*( \([^\n]*\))?\s*$/gm)];
+
+const claimList = (claims) => h('ul', {class: 'claims'}, claims.map(([, text, outcome, soFar, open]) => h('li', null,
+  h('span', {class: `badge ${OUTCOMES[outcome][0]}`}, OUTCOMES[outcome][1] + (soFar ?? '')), h('span', null, text + (open ?? '')))));
+
+/** What the study has judged by itself. */
+function expectationCard(study) {
+  const claims = claimsOf((study.expectation ?? []).map((rule) => `- ${rule}`).join('\n'));
+  return claims.length > 0 && h('div', {class: 'card verdict'}, h('h3', null, 'Expectation'), claimList(claims));
+}
 
 /** The claims of the verdict with their outcomes; the whole of it on demand. */
 function verdictCard(study) {
   if (!study.verdict) return null;
-  const claims = [...study.verdict.matchAll(/^- ([^\n]+): \*\*(holds|does not hold|undecided)( so far)?\*\*\s*$/gm)];
+  const claims = claimsOf(study.verdict);
   return h('div', {class: 'card verdict'}, h('h3', null, 'Verdict'),
-    claims.length > 0 && h('ul', {class: 'claims'}, claims.map(([, text, outcome, soFar]) => h('li', null,
-      h('span', {class: `badge ${OUTCOMES[outcome][0]}`}, OUTCOMES[outcome][1] + (soFar ?? '')), h('span', null, text)))),
+    claims.length > 0 && claimList(claims),
     h('details', {open: claims.length === 0}, h('summary', null, 'the whole verdict'), h('div', {class: 'prose'}, markdown(study.verdict))));
 }
 
@@ -80,13 +90,13 @@ function tiles(study) {
   const degraded = study.runs.filter((run) => run.status === 'degraded').length;
   const tile = (value, text, kind = '') => h('div', {class: `tile ${kind}`}, h('strong', null, value), h('span', null, text));
   const seeds = new Set(study.runs.map((run) => run.seed).filter(Boolean)).size;
-  const hours = study.runs.reduce((sum, run) => sum + (study.figure(run, 'path_length_m') ?? 0), 0) / 1000;
+  const way = study.runs.reduce((sum, run) => sum + (study.figure(run, 'path_length_m') ?? 0), 0) / 1000;
   return h('div', {class: 'tiles'},
     tile(`${study.runs.length}${study.planned > study.runs.length ? ` of ${study.planned}` : ''}`, 'runs', study.planned > study.runs.length ? 'open' : ''),
     tile(String(study.sequences.length), study.sequences.length === 1 ? 'sequence' : 'sequences'),
     seeds > 0 && tile(String(seeds), seeds === 1 ? 'seed' : 'seeds'),
     tile(String(study.methods.length), study.methods.length === 1 ? 'method' : 'methods'),
-    hours > 0 && tile(hours.toFixed(1), 'km travelled'),
+    way > 0 && (way < 1 ? tile((1000 * way).toFixed(0), 'm travelled') : tile(way.toFixed(1), 'km travelled')),
     tile(String(bad.length), 'failed or diverged', bad.length ? 'bad' : 'good'),
     degraded > 0 && tile(String(degraded), 'degraded'));
 }
@@ -104,6 +114,6 @@ export function summarySection(study, choice) {
   };
   choice.on(['metric', 'theme'], draw);
   draw();
-  return section('study', study.name, null, questionCards(study), verdictCard(study), tiles(study), warnings(study), place);
+  return section('study', study.name, null, questionCards(study), expectationCard(study), verdictCard(study), tiles(study), warnings(study), place);
 }
 

@@ -10,6 +10,10 @@ export function dark() {
   return !printing && (chosen ?? (query.matches ? 'dark' : 'light')) === 'dark';
 }
 
+export function onPaper() {
+  return printing;
+}
+
 function apply() {
   document.documentElement.dataset.theme = dark() ? 'dark' : 'light';
   for (const listener of listeners) listener();
@@ -24,10 +28,17 @@ export function toggleTheme() {
   apply();
 }
 
+/** On paper everything is as wide as the sheet, drawn before the browser takes the page: it does not wait for observers. */
+function print(on) {
+  printing = on;
+  document.documentElement.classList.toggle('printing', on);
+  apply();
+}
+
 export function startTheme() {
   query.addEventListener('change', apply);
-  addEventListener('beforeprint', () => { printing = true; apply(); });
-  addEventListener('afterprint', () => { printing = false; apply(); });
+  addEventListener('beforeprint', () => print(true));
+  addEventListener('afterprint', () => print(false));
   apply();
 }
 

@@ -32,4 +32,16 @@ std::optional<std::pair<TimeNs, std::string>> find_divergence(const evaluation::
                                                               std::span<const StampedPose> poses,
                                                               const Trajectory& reference);
 
+/// Where a run is told to have failed as a whole, not midway: before this share of the way.
+inline constexpr double kEarlyShare = 0.1;
+/// Without an accepted update for longer than this, a run has failed [ns].
+inline constexpr TimeNs kMostSilence = kSecond;
+
+/// The share of the reference's path after which a run has failed, by the marks of a results table: its position is
+/// off by more than both limits above, with the estimate laid on the reference over its first second (so that a late
+/// failure is not shared out over the way before it), or `other` has come, whichever is first. Nothing when it has not
+/// failed. `other`: of a failure of another kind.
+std::optional<double> failed_after(std::span<const StampedPose> poses, const Trajectory& reference,
+                                   std::optional<TimeNs> other);
+
 }  // namespace aslio::experiment

@@ -47,9 +47,23 @@ struct StudyAxisConfig {
   static void describe(config::Binder& b, StudyAxisConfig& axis);
 };
 
+/// One rule of `expectation`; judged by study_expectation.hpp.
+struct StudyExpectationConfig {
+  std::string claim;             ///< what it means, for people
+  std::string method, against;   ///< names of methods, with the suffixes of axes
+  std::string metric = "ate_m";  ///< compared
+  /// One of them, or `failures`: "8 of 9 sequences", "most pairs".
+  std::string lower_on, higher_on, not_lower_on, not_higher_on;
+  double times = 1;                    ///< lower or higher than so many times the figure of `against`
+  std::vector<std::string> sequences;  ///< empty: all
+  std::optional<double> failures;      ///< most runs of `method` that may fail or diverge
+  static void describe(config::Binder& b, StudyExpectationConfig& rule);
+};
+
 /// Study file (`schema: aslio/study/1`) as written. Paths are relative to the folder of the file.
 struct StudyConfig {
   std::string question, prediction, rule;
+  std::vector<StudyExpectationConfig> expectation;
   std::vector<StudyDataConfig> datasets;
   std::vector<StudyMethodConfig> methods;
   std::vector<StudyAxisConfig> vary;

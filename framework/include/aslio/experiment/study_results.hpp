@@ -29,6 +29,10 @@ struct StudyRow {
   std::optional<double> figure(std::string_view name) const;
 };
 
+/// "x" of a results table is a run that failed before a tenth of the way, "-" one that failed later. `failed_at`: the
+/// figure of that name, which runs without a reference do not have.
+bool failed_late(std::string_view status, const std::optional<double>& failed_at);
+
 /// Writes `run_key.json`, the mark of a finished run.
 void write_outcome(const std::filesystem::path& folder, const std::string& key, const StudyOutcome& outcome);
 /// Of a run folder that was finished under this key, or (empty) under any; nothing otherwise.

@@ -26,11 +26,25 @@ struct StudyOptions {
   std::filesystem::path executable = "/proc/self/exe";  ///< the file that runs, even when it has been replaced since
 };
 
+/// Where a study stands.
+struct StudyProgress {
+  /// A run, a simulation, or a task of a cluster.
+  struct Active {
+    std::string name;    ///< "indoor_1_3/as_lio", "indoor_1_4: simulation"
+    double since_s = 0;  ///< it began
+  };
+  std::size_t total = 0, done = 0, failed = 0;  ///< runs of this call
+  std::optional<double> left_s;                 ///< by the pace so far
+  std::vector<Active> active;
+};
+
 /// How a study talks to whoever started it.
 class StudyMonitor {
  public:
   virtual ~StudyMonitor() = default;
   virtual void on_line(const std::string& line) = 0;
+  /// Some times a second while it is at work.
+  virtual void on_progress(const StudyProgress& /*progress*/) {}
   /// True ends the children and the study; what is finished stays.
   virtual bool stop_requested() = 0;
 };

@@ -24,6 +24,7 @@ bool smaller_is_better(std::string_view metric);
 struct Replicates {
   std::vector<double> values;  ///< of all runs with a figure or a failure, sorted
   std::size_t failed = 0;
+  std::size_t late = 0;  ///< of them, those that failed on the way
 
   std::optional<double> median() const;
 };
@@ -55,7 +56,8 @@ class StudyFigures {
 
   /// In the order of the study file.
   const std::vector<std::string>& sequences() const { return sequences_; }
-  /// kFailedFigure for a failure; nothing when the run or the figure is not there.
+  /// kFailedFigure for a failure, for the end-to-end error also where a run has failed on the way, as its distance from
+  /// the truth tells, and come back; nothing when the run or the figure is not there.
   std::optional<double> value(std::size_t run, const std::string& metric) const;
   Replicates replicates(std::size_t sequence, std::size_t method, const std::string& metric) const;
   /// All methods that have a baseline, in their order. Empty for a metric of which none is better.

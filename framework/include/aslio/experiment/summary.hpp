@@ -53,6 +53,7 @@ struct Summary {
   double peak_rss_mb = 0;
   std::optional<double> end_to_end_m;                ///< distance between the first and the last position
   std::optional<evaluation::Evaluation> evaluation;  ///< against the reference, when there is one
+  std::optional<double> failed_at;                   ///< share of the reference's path, of failed_after()
   std::string evaluation_error;                      ///< why there is none although there is a reference
 };
 
@@ -76,6 +77,10 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   /// that stopped early.
   void fill(Summary& summary, const stream::MeasurementStream& stream, std::optional<TimeNs> data_end) const;
 
+  /// The first moment at which the run was lost by itself: its state was not finite, or no update was accepted for more
+  /// than kMostSilence. `end`: of what it should have covered.
+  std::optional<TimeNs> lost_at(TimeNs end) const;
+
   /// T_W_I at the end of every update with a finite state.
   const std::vector<StampedPose>& poses() const { return poses_; }
 
@@ -88,6 +93,7 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   std::optional<TimeNs> first_begin_;
   TimeNs imu_gap_ = 0, point_gap_ = 0;
   bool refused_after_accepted_ = false;
+  std::optional<TimeNs> first_end_, last_accepted_, silent_from_, not_finite_;
   TimeNs weak_ = 0, windows_ = 0;  ///< time of the fresh intervals of weak updates, and of all
 };
 

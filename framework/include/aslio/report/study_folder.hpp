@@ -43,6 +43,8 @@ struct StudyFolder {
   std::vector<std::optional<std::size_t>> baseline;
   std::vector<FolderRun> runs;
   std::vector<FolderStatistic> statistics;
+  /// What the study expected, rule by rule: Markdown, "RULE: **holds**".
+  std::vector<std::string> expectation;
   std::vector<std::string> identical;  ///< what table.md tells of methods without a difference
 
   /// Index in `methods`, `figures`; nothing when there is no such.
