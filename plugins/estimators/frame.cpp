@@ -11,6 +11,8 @@ void Frame::reserve(std::size_t points) {
   raw_.reserve(points);
   index_.reserve(points);
   body_.reserve(points);
+  features_.reserve(points);
+  match_feature_.reserve(points);
   match_body_.reserve(points);
   match_range_.reserve(points);
   match_raw_.reserve(points);
@@ -26,10 +28,12 @@ void Frame::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers
   reserve(fresh.size() - static_cast<std::size_t>(std::count(taps_.begin(), taps_.end(), TapMask{0})));
   raw_.clear();
   index_.clear();
+  features_.clear();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     if (taps_[i] == 0) continue;
     raw_.push_back(fresh[i]);
+    features_.push_back(fresh[i].feature);
     index_.push_back(static_cast<std::uint32_t>(i));
     taps_[kept++] = taps_[i];
   }
@@ -112,7 +116,7 @@ void Frame::deskew_matches(const WindowTrajectory& trajectory) {
 }
 
 void Frame::sample_body(SamplerChain& samplers) {
-  SampleBatch batch{raw_, body_, taps_};
+  SampleBatch batch{raw_, body_, taps_, features_};
   samplers.sample(Sampler::ActsOn::body, batch);
   list_matches();
 }
@@ -134,11 +138,13 @@ void Frame::list_matches() {
   match_range_.clear();
   match_raw_.clear();
   match_time_.clear();
+  match_feature_.clear();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     if ((taps_[i] & mask(Tap::match)) == 0) continue;
     match_body_.push_back(body_[i].cast<double>());
     match_raw_.push_back(static_cast<std::uint32_t>(i));
     match_time_.push_back(raw_[i].t);
+    match_feature_.push_back(features_[i]);
     match_range_.push_back(Eigen::Vector3f(raw_[i].x, raw_[i].y, raw_[i].z).norm());
   }
 }
@@ -156,7 +162,7 @@ void Frame::place_each(const WorldOf& world_of) {
                            p.intensity,
                            index_[i],
                            p.line,
-                           p.feature};
+                           static_cast<std::uint8_t>(features_[i] & ~feature_class::clearest)};
     for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
       if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
     }

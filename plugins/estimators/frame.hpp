@@ -37,6 +37,8 @@ class Frame {
   std::span<const Vec3> match_body() const { return match_body_; }
   std::span<const float> match_range() const { return match_range_; }
   std::span<const TimeNs> match_time() const { return match_time_; }
+  /// As the samplers have marked them (SampleBatch::features).
+  std::span<const std::uint8_t> match_feature() const { return match_feature_; }
   std::span<const WorldPoint> world(Tap tap) const { return world_[slot(tap)]; }
 
  private:
@@ -51,11 +53,13 @@ class Frame {
   std::vector<TimedPoint> raw_;
   std::vector<std::uint32_t> index_;  ///< into the window's fresh points
   std::vector<TapMask> taps_;
+  std::vector<std::uint8_t> features_;
   std::vector<Eigen::Vector3f> body_;
   std::vector<Vec3> match_body_;
   std::vector<float> match_range_;
   std::vector<std::uint32_t> match_raw_;  ///< into raw_
   std::vector<TimeNs> match_time_;
+  std::vector<std::uint8_t> match_feature_;
   std::array<std::vector<WorldPoint>, 3> world_;
 };
 

@@ -3,6 +3,7 @@
 #include "estimators/icp.hpp"
 #include "estimators/ieskf.hpp"
 #include "estimators/pointwise_eskf.hpp"
+#include "estimators/scan_matcher.hpp"
 #include "estimators/smoother.hpp"
 
 namespace aslio::plugins {
@@ -17,6 +18,8 @@ void register_estimators(plugin::Registry<Estimator>& registry) {
                       "Iterated error-state Kalman filter over one window with IMU prediction (FAST-LIO2, AS-LIO).");
   registry.add<PointwiseEskf>("pointwise_eskf",
                               "Kalman filter with an update per firing, the IMU as a measurement (Point-LIO).");
+  registry.add<ScanMatcher>("scan_matcher",
+                            "Lines and planes against the last sweep, then against the map, no IMU (LOAM).");
   registry.add<Smoother>("smoother",
                          "Fixed-lag smoother over the slices of a window, every point matched anew (FR-LIO).");
 }

@@ -1,4 +1,5 @@
 #include "aslio/plugin/registry.hpp"
+#include "maps/feature_maps.hpp"
 #include "maps/ikd_tree.hpp"
 #include "maps/ivox.hpp"
 #include "maps/voxel_hash.hpp"
@@ -12,6 +13,7 @@ void register_maps(plugin::Registry<Map>& registry) {
   registry.add<VoxelPlane>("voxel_plane", "Planes of all points in a pyramid of voxels (VoxelMap).");
   registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
   registry.add<IkdTree>("ikd_tree", "Exact neighbours from an incremental k-d tree, thinned to one point per cell.");
+  registry.add<FeatureMaps>("feature_maps", "Two maps of points, one of lines and one of planes (LOAM).");
   registry.add<Ivox>("ivox",
                      "Neighbours from a hash of voxels and those around, the least recent forgotten (Faster-LIO).");
 }

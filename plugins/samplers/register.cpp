@@ -1,5 +1,6 @@
 #include "aslio/plugin/registry.hpp"
 #include "samplers/budget.hpp"
+#include "samplers/curvature_features.hpp"
 #include "samplers/range.hpp"
 #include "samplers/stride.hpp"
 #include "samplers/voxel.hpp"
@@ -10,6 +11,7 @@ void register_samplers(plugin::Registry<Sampler>& registry);
 
 void register_samplers(plugin::Registry<Sampler>& registry) {
   registry.add<BudgetSampler>("budget", "keeps at most so many points of a window");
+  registry.add<CurvatureFeatures>("curvature_features", "keeps points on edges and planes, and tells which (LOAM)");
   registry.add<RangeSampler>("range", "drops points nearer or farther than two ranges");
   registry.add<StrideSampler>("stride", "keeps every k-th point of the stream, or a share of its firings");
   registry.add<VoxelSampler>("voxel", "keeps one point per cube of the de-skewed frame");

@@ -25,18 +25,23 @@ void VoxelSampler::describe(config::Binder& b, Params& p) {
   b.real("leaf", p.leaf, "m", {.min = 0.01, .max = 100.0}, "edge of a cube");
   b.choice("keep", p.keep, {{"centre", Keep::centre}, {"first", Keep::first}},
            "which point of a cube stays: the nearest to its centre, or the first in time");
+  b.choice("of", p.of, {{"all", Of::all}, {"line", Of::line}, {"plane", Of::plane}},
+           "which points are thinned: all, or those that a sampler has classed as lines, or planes");
   describe_taps(b, p.taps);
 }
 
 VoxelSampler::VoxelSampler(const Params& params, const BuildContext&)
-    : leaves_per_metre_(static_cast<float>(1.0 / params.leaf)), keep_(params.keep), taps_(tap_mask(params.taps)) {}
+    : leaves_per_metre_(static_cast<float>(1.0 / params.leaf)),
+      keep_(params.keep),
+      of_(params.of),
+      taps_(tap_mask(params.taps)) {}
 
 void VoxelSampler::sample(SampleBatch& batch) {
   TapMask any = 0;
   auto all = taps_;
-  for (const TapMask taps : batch.taps) {
-    const auto own = static_cast<TapMask>(taps & taps_);
-    if (own == 0) continue;
+  for (std::size_t i = 0; i < batch.taps.size(); ++i) {
+    const auto own = static_cast<TapMask>(batch.taps[i] & taps_);
+    if (own == 0 || !concerns(batch, i)) continue;
     any = static_cast<TapMask>(any | own);
     all = static_cast<TapMask>(all & own);
   }
@@ -58,11 +63,17 @@ void VoxelSampler::start_pass(std::size_t points) {
   }
 }
 
+bool VoxelSampler::concerns(const SampleBatch& batch, std::size_t i) const {
+  if (of_ == Of::all) return true;
+  const std::uint8_t own = batch.features.empty() ? batch.raw[i].feature : batch.features[i];
+  return (own & ~feature_class::clearest) == (of_ == Of::line ? feature_class::line : feature_class::plane);
+}
+
 void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
   start_pass(batch.taps.size());
   const std::size_t last = (std::size_t{1} << (64 - shift_)) - 1;
   for (std::size_t i = 0; i < batch.taps.size(); ++i) {
-    if ((batch.taps[i] & taps) == 0) continue;
+    if ((batch.taps[i] & taps) == 0 || !concerns(batch, i)) continue;
     const Eigen::Vector3f p = batch.body[i] * leaves_per_metre_;
     if (!(p.cwiseAbs().maxCoeff() < kFarthestCell) || !p.allFinite()) {
       clear(batch.taps[i], taps);
@@ -74,7 +85,8 @@ void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
                               ((static_cast<std::uint64_t>(y) & kCoordinate) << 21) |
                               (static_cast<std::uint64_t>(z) & kCoordinate);
     const float dx = from_centre(p.x(), x), dy = from_centre(p.y(), y), dz = from_centre(p.z(), z);
-    const float squared = keep_ == Keep::first ? 0.0f : dx * dx + dy * dy + dz * dz;
+    const bool clear_one = !batch.features.empty() && (batch.features[i] & feature_class::clearest) != 0;
+    const float squared = clear_one ? -1.0f : keep_ == Keep::first ? 0.0f : dx * dx + dy * dy + dz * dz;
     std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15ULL) >> shift_;
     while (slots_[at].pass == pass_ && slots_[at].key != key) at = (at + 1) & last;
     Slot& slot = slots_[at];

@@ -18,9 +18,13 @@ class VoxelSampler final : public Sampler {
     first    ///< the first in time
   };
 
+  /// Which points are thinned.
+  enum class Of : std::uint8_t { all, line, plane };
+
   struct Params {
     double leaf = 0.3;
     Keep keep = Keep::centre;
+    Of of = Of::all;
     TapNames taps{"map", "match"};
   };
   static void describe(config::Binder& b, Params& p);
@@ -29,7 +33,8 @@ class VoxelSampler final : public Sampler {
 
   ActsOn acts_on() const override { return ActsOn::body; }
   /// Points compete within a cube, for each tap among those that still have it. Cubes are aligned to the body frame
-  /// at the end of the window. Points that are not finite, or 2^20 cubes away, lose the taps.
+  /// at the end of the window. One of the clearest of its class yields to none but such. Points that are not finite, or
+  /// 2^20 cubes away, lose the taps.
   void sample(SampleBatch& batch) override;
 
  private:
@@ -43,9 +48,11 @@ class VoxelSampler final : public Sampler {
 
   void compete(SampleBatch& batch, TapMask taps);
   void start_pass(std::size_t points);
+  bool concerns(const SampleBatch& batch, std::size_t i) const;
 
   float leaves_per_metre_;
   Keep keep_;
+  Of of_;
   TapMask taps_;
   std::vector<Slot> slots_;  ///< open addressing; a slot of an older pass is free, so that nothing needs clearing
   std::uint32_t pass_ = 0;

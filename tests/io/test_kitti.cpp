@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 #include <numbers>
 
@@ -80,9 +81,35 @@ TEST_CASE("points are timed by azimuth: from the rear over the left, the sensor 
     CHECK(packet->points[1].t - packet->stamp == 25'000'000);
     CHECK(std::abs(packet->points[2].t - packet->stamp - 100'000'000) < 10);
     CHECK(packet->points[3].t - packet->stamp == 75'000'000);
+    for (const TimedPoint& point : packet->points) CHECK(point.line == 0);
   }
   // 2011-09-26 13:04:32 UTC
   CHECK(*source->begin_time() == 1'317'042'272 * kSecond);
+}
+
+TEST_CASE("a laser of a drive ends where the file comes round to the front again") {
+  TemporaryFolder folder;
+  const fs::path drive = write_drive(folder.path());
+  std::vector<float> points;
+  for (int laser = 0; laser < 3; ++laser) {
+    // From ahead over the left; the second laser sees nothing on the right, the third begins a little late.
+    for (int degree = laser == 2 ? 4 : 0; degree < (laser == 1 ? 200 : 360); degree += 2) {
+      const float angle = static_cast<float>(degree) * std::numbers::pi_v<float> / 180;
+      points.insert(points.end(), {5 * std::cos(angle), 5 * std::sin(angle), static_cast<float>(-laser), 0.5F});
+    }
+  }
+  std::ofstream scan(drive / "velodyne_points" / "data" / "0000000000.bin", std::ios::binary);
+  scan.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(points.size() * 4));
+  scan.close();
+  const auto source = open_source(drive, calibrated());
+  while (const auto measurement = source->next()) {
+    const auto* packet = std::get_if<LidarPacket>(&*measurement);
+    if (packet == nullptr) continue;
+    REQUIRE(packet->points.size() == 180 + 100 + 178);
+    for (const TimedPoint& point : packet->points) REQUIRE(point.line == -static_cast<int>(point.z));
+    return;
+  }
+  FAIL("no scan");
 }
 
 TEST_CASE("no point comes after an IMU sample of a later time") {

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <numbers>
 
 #include "aslio/core/errors.hpp"
@@ -207,6 +208,9 @@ std::size_t read_kitti_scan(const KittiScan& scan, LidarPacket& packet) {
   packet.points.clear();
   packet.points.reserve(count);
   const double turn = static_cast<double>(scan.end - scan.begin) / (2 * std::numbers::pi);
+  constexpr double pi = std::numbers::pi;
+  double last = 0;  // azimuth, counted from ahead [rad]
+  std::uint8_t line = 0;
   for (std::size_t i = 0; i < count; ++i) {
     std::array<float, 4> v{};
     std::memcpy(v.data(), raw.data() + i * kPointBytes, kPointBytes);
@@ -216,8 +220,13 @@ std::size_t read_kitti_scan(const KittiScan& scan, LidarPacket& packet) {
     point.y = v[1];
     point.z = v[2];
     point.intensity = v[3];
-    const double angle = std::numbers::pi - std::atan2(double{v[1]}, double{v[0]});
-    point.t = scan.begin + std::llround(turn * angle);
+    const double azimuth = std::atan2(double{v[1]}, double{v[0]});
+    point.t = scan.begin + std::llround(turn * (pi - azimuth));
+    // The file has laser after laser, the highest first, each from ahead over the left once round.
+    const double from_ahead = azimuth < 0 ? azimuth + 2 * pi : azimuth;
+    if (from_ahead < last - pi && line < std::numeric_limits<std::uint8_t>::max()) ++line;
+    last = from_ahead;
+    point.line = line;
     point.sweep_id = packet.sweep_id;
   }
   packet.dropped_invalid = count - packet.points.size();

@@ -16,8 +16,11 @@ namespace aslio::test {
 inline void for_every_point_map(const std::function<void(Map&, const EraseBox&)>& check) {
   plugin::Catalog catalog;
   plugins::register_all(catalog);
-  for (const std::string text : {"{type: voxel_hash, min_spacing: 0, max_points: 4096, radius: 20}",
-                                 "{type: ikd_tree, leaf: 0, radius: 20}", "{type: ivox, radius: 20}"}) {
+  for (const std::string text :
+       {"{type: voxel_hash, min_spacing: 0, max_points: 4096, radius: 20}", "{type: ikd_tree, leaf: 0, radius: 20}",
+        "{type: ivox, radius: 20}",
+        "{type: feature_maps, lines: {type: ikd_tree, leaf: 0, radius: 20}, planes: {type: voxel_hash, min_spacing: 0, "
+        "max_points: 4096, radius: 20}}"}) {
     INFO(text);
     BuildEnvironment environment;
     const auto map = make_stage<Map>(catalog, text, environment.context());

@@ -13,6 +13,13 @@ using TapMask = std::uint8_t;
 inline constexpr TapMask kAllTaps = 7;
 constexpr TapMask mask(Tap tap) { return static_cast<TapMask>(tap); }
 
+/// Classes of points: TimedPoint, WorldPoint and MapQuery::feature.
+namespace feature_class {
+inline constexpr std::uint8_t none = 0, line = 1, plane = 2;
+/// Added to the class in SampleBatch::features alone: one of the clearest of its class.
+inline constexpr std::uint8_t clearest = 0x80;
+}  // namespace feature_class
+
 /// A fresh point at the posterior pose.
 struct WorldPoint {
   Vec3 p_W = Vec3::Zero();
@@ -21,7 +28,7 @@ struct WorldPoint {
   float intensity = 0;
   std::uint32_t index = 0;  ///< position in Window::fresh
   std::uint8_t line = 0;
-  std::uint8_t feature = 0;
+  std::uint8_t feature = 0;  ///< feature_class
 };
 
 }  // namespace aslio

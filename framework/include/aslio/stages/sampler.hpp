@@ -17,6 +17,8 @@ struct SampleBatch {
   std::span<const TimedPoint> raw;
   std::span<const Eigen::Vector3f> body;
   std::span<TapMask> taps;
+  /// feature_class of every point, which a body sampler may set. Empty before de-skew, and where nobody keeps them.
+  std::span<std::uint8_t> features = {};
 };
 
 /// Contract. `acts_on` = raw samplers run before de-skew and must not read `body`; body samplers run after it. A raw

@@ -1,0 +1,265 @@
+#include "estimators/scan_matcher.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aslio/core/cpu_clock.hpp"
+
+namespace aslio::plugins {
+
+namespace {
+constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+std::uint8_t class_of(std::uint8_t feature) { return static_cast<std::uint8_t>(feature & ~feature_class::clearest); }
+}  // namespace
+
+void ScanMatcher::reset(const InitialState& initial) {
+  state_ = initial.state;
+  P_.setZero();
+  accepted_t_ = kTimeMin;
+  twist_ = {};
+  for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.clear();
+  result_ = Update{};
+}
+
+/// eq. TRJ-2
+NavState ScanMatcher::predicted(TimeNs t) const {
+  NavState out = state_;
+  const Pose pose = twist_.predict(state_.pose(), to_seconds(t - state_.t));
+  out.t = t;
+  out.R = orthonormalised(pose.R);
+  out.p = pose.p;
+  out.v = out.R * twist_.velocity_in_body();
+  return out;
+}
+
+NavState ScanMatcher::predict(std::span<const ImuSample> imu) const {
+  return imu.empty() ? state_ : predicted(imu.back().t);
+}
+
+void ScanMatcher::propagate(TimeNs end) {
+  const CpuTimer timer(result_.times.predict);
+  const NavState begin = state_;
+  prior_ = state_ = predicted(end);
+  const double length = std::max(to_seconds(end - begin.t), 1e-9);
+  trajectory_.clear(begin);
+  trajectory_.append({begin.t, length, begin.R, begin.p, (prior_.p - begin.p) / length,
+                      log_so3(begin.R.transpose() * prior_.R) / length, Vec3::Zero()},
+                     prior_);
+}
+
+void ScanMatcher::load(const Window& window, const StepContext& context) {
+  {
+    const CpuTimer timer(result_.times.sample);
+    frame_.sample_raw(window.fresh, context.samplers);
+  }
+  {
+    const CpuTimer timer(result_.times.deskew);
+    frame_.deskew(trajectory_);
+  }
+  const CpuTimer timer(result_.times.sample);
+  frame_.sample_body(context.samplers);
+  const auto features = frame_.match_feature();
+  for (Kind* kind : {&lines_, &planes_}) {
+    if (kind->index.capacity() < features.size()) kind->index.reserve(2 * features.size());
+    kind->all.reserve(features.size(), *kind->residual);
+    kind->all.body.clear();
+    kind->all.range.clear();
+    kind->all.surfaces.clear();
+    kind->index.clear();
+  }
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    Kind& kind = class_of(features[i]) == feature_class::line ? lines_ : planes_;
+    kind.index.push_back(static_cast<std::uint32_t>(i));
+    kind.all.body.push_back(frame_.match_body()[i]);
+    kind.all.range.push_back(frame_.match_range()[i]);
+  }
+  if (records_.capacity() < features.size()) {
+    records_.reserve(2 * features.size());
+    own_records_.reserve(2 * features.size());
+  }
+}
+
+PoseInformation ScanMatcher::measure(PointMatches& matches, Residual& residual, const Pose& at) {
+  matches.evaluate(residual, params_.sigma);
+  const auto rows = static_cast<std::size_t>(residual.rows_per_match());
+  const Mat3 Rt = at.R.transpose();
+  const std::size_t n = matches.body.size();
+  partials_.resize(exec::Executor::chunk_count(n, kGrain));
+  return exec_.reduce(
+      n, kGrain, PoseInformation{}, std::span<PoseInformation>(partials_),
+      [&](std::size_t begin, std::size_t end) {
+        PoseInformation out;
+        for (std::size_t i = begin; i < end; ++i) {
+          std::size_t used = 0;
+          for (std::size_t row = i * rows; row < (i + 1) * rows; ++row) {
+            const ResidualRow& z = matches.rows[row];
+            if (z.information <= 0.0) continue;
+            out.add(matches.body[i], Rt, z.J, z.r, z.information);
+            ++used;
+          }
+          out.accepted -= used > 1 ? used - 1 : 0;  // matches, not rows
+        }
+        return out;
+      },
+      [](PoseInformation& total, const PoseInformation& part) { total += part; });
+}
+
+/// The projection onto directions whose eigenvalue of J^T W J is not too small. eq. SWP-3
+Mat6 ScanMatcher::held_directions(const Mat6& A) {
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(params_.sigma * params_.sigma * A);
+  Mat6 held = Mat6::Zero();
+  degenerate_ = false;
+  for (int i = 0; i < 6; ++i) {
+    if (solver.eigenvalues()[i] < params_.degenerate_eigenvalue) {
+      degenerate_ = true;
+    } else {
+      held += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
+    }
+  }
+  return held;
+}
+
+/// One step of Gauss-Newton within the directions `held`.
+ScanMatcher::Step ScanMatcher::move(const PoseInformation& sum, const Mat6& held, Pose& end) {
+  Mat6 A = sum.A;
+  A.diagonal().array() += 1e-9 * (1.0 + A.trace());
+  const Vec6 step = -held * A.ldlt().solve(sum.b);
+  if (!step.allFinite()) return Step::refused;
+  end.R = orthonormalised(end.R * exp_so3(step.head<3>()));
+  end.p += step.tail<3>();
+  const bool small =
+      step.head<3>().norm() < params_.converged_deg * kRadPerDeg && step.tail<3>().norm() < params_.converged_m;
+  return small ? Step::small : Step::moved;
+}
+
+/// eq. SWP-2. False: too little was matched, or the step was not finite, and the pose stays.
+bool ScanMatcher::match_map(const Map& map) {
+  const CpuTimer timer(result_.times.solve);
+  Pose end = trajectory_.corrected_end();
+  Mat6 held = Mat6::Identity();
+  PoseInformation sum;
+  bool settled = false;
+  for (int search = 0; search < params_.map_searches && !settled; ++search) {
+    {
+      const CpuTimer searching(result_.times.associate, result_.times.solve);
+      for (Kind* kind : {&lines_, &planes_}) {
+        kind->all.place(end);
+        kind->all.associate(map, *kind->residual, 0xffffffff, kind->feature);
+      }
+    }
+    ++result_.iterations;
+    for (int j = 0; j < params_.max_steps; ++j) {
+      sum = {};
+      for (Kind* kind : {&lines_, &planes_}) {
+        kind->all.place(end);
+        sum += measure(kind->all, *kind->residual, end);
+      }
+      result_.fresh_matches = static_cast<std::uint32_t>(sum.accepted);
+      if (static_cast<std::int64_t>(sum.accepted) < params_.min_matches) return false;
+      if (search == 0 && j == 0) held = held_directions(sum.A);
+      const Step step = move(sum, held, end);
+      if (step == Step::refused) return false;
+      converged_ = step == Step::small;
+      settled = converged_ && j == 0;  // new matches would change nothing
+      if (converged_) break;
+    }
+  }
+  last_ = sum;
+  trajectory_.correct(end);
+  return true;
+}
+
+void ScanMatcher::accept(const Pose& end, const PoseInformation& fresh) {
+  // The kernel bounds matches whose noise nobody knows: the residuals themselves tell it (eq. ICP-3).
+  constexpr double least_variance = 1e-6;  // [m^2]
+  const double variance = std::max(least_variance, fresh.squared_sum / static_cast<double>(fresh.accepted));
+  const Mat6 information = fresh.A * (params_.sigma * params_.sigma / variance);
+  result_.spectrum = pose_spectrum(information);
+  result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
+  // The first pose is the begin of the world: before it, nothing is known of the motion.
+  if (accepted_t_ != kTimeMin) twist_.learn(accepted_, end, to_seconds(state_.t - accepted_t_));
+  accepted_ = end;
+  accepted_t_ = state_.t;
+  state_.R = end.R;
+  state_.p = end.p;
+  state_.v = end.R * twist_.velocity_in_body();
+  // Known no better than 1e3 (rad, m) where nothing was seen of a direction.
+  const Mat6 bounded = information + 1e-6 * Mat6::Identity();
+  P_.setZero();
+  P_.topLeftCorner<6, 6>() = bounded.ldlt().solve(Mat6::Identity());
+  result_.accepted = true;
+}
+
+void ScanMatcher::refuse(UpdateStatus status) {
+  result_.status = status;
+  result_.accepted = false;
+  // Unseen space can only become known by inserting it, as long as the motion is believed to go on.
+  result_.insert = status == UpdateStatus::few_matches && accepted_t_ != kTimeMin && state_.t - accepted_t_ <= kSecond;
+}
+
+const Update& ScanMatcher::update(const Window& window, const HistorySelection&, const StepContext& context) {
+  result_ = Update{};
+  propagate(window.plan.end);
+  result_.prior = state_;
+  load(window, context);
+  const bool map_is_due = (window.sequence - 1) % static_cast<std::uint32_t>(params_.map_every) == 0;
+  if (context.map.size() == 0) {
+    result_.status = UpdateStatus::initialising;
+    accepted_ = state_.pose();
+    accepted_t_ = state_.t;
+  } else {
+    const bool followed = match_last_sweep();
+    const bool matched = map_is_due && match_map(context.map);
+    if (matched || followed) {  // or followed the last sweep alone
+      accept(trajectory_.corrected_end(), last_);
+    } else {
+      refuse(result_.fresh_matches < params_.min_matches ? UpdateStatus::few_matches : UpdateStatus::non_finite);
+    }
+    result_.insert = result_.insert && (map_is_due || !result_.accepted);
+  }
+  finish();
+  return result_;
+}
+
+void ScanMatcher::record_matches() {
+  records_.assign(frame_.match_body().size(), MatchRecord{});
+  if (!result_.accepted) return;
+  double squares = 0;
+  std::size_t accepted = 0;
+  for (Kind* kind : {&lines_, &planes_}) {
+    kind->all.place(state_.pose());
+    if (kind->all.surfaces.size() != kind->all.body.size()) continue;  // not matched with the map
+    kind->all.evaluate(*kind->residual, params_.sigma);
+    double rms = 0;
+    const std::size_t own = kind->all.record(kind->rows(), own_records_, rms);
+    squares += static_cast<double>(own) * rms * rms;
+    accepted += own;
+    for (std::size_t i = 0; i < kind->index.size(); ++i) records_[kind->index[i]] = own_records_[i];
+  }
+  if (accepted > 0) result_.residual_rms = std::sqrt(squares / static_cast<double>(accepted));
+}
+
+void ScanMatcher::finish() {
+  const CpuTimer timer(result_.times.solve);
+  trajectory_.correct(state_.pose());
+  frame_.place(trajectory_);
+  record_matches();
+  if (params_.sweep_searches > 0) {
+    for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.build(frame_.world(Tap::map), kind->feature);
+  }
+  result_.state = state_;
+  result_.P = P_;
+  result_.states = {&state_, 1};
+  result_.trajectory = &trajectory_;
+  result_.matches = records_;
+  result_.overlap_points = frame_.world(Tap::overlap);
+  result_.map_points = frame_.world(Tap::map);
+  result_.match_points = frame_.world(Tap::match);
+}
+
+}  // namespace aslio::plugins

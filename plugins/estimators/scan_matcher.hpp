@@ -1,0 +1,97 @@
+#pragma once
+
+#include "aslio/config/binder.hpp"
+#include "aslio/stages/build_context.hpp"
+#include "estimators/constant_twist.hpp"
+#include "estimators/frame.hpp"
+#include "estimators/information_update.hpp"
+#include "estimators/point_matches.hpp"
+#include "estimators/sweep_index.hpp"
+
+namespace aslio::plugins {
+
+/// Registration of lines and planes in two steps (LOAM, Zhang and Singh 2014): the clearest points against the last
+/// sweep, then all points against the map; directions that the matches do not hold keep what they were before. Points
+/// are de-skewed by a motion that goes on as it did (docs/equations.md SWP-1 to SWP-3). Those without a class count as
+/// planes. LiDAR only.
+class ScanMatcher final : public Estimator {
+ public:
+  struct Params {
+    std::int64_t sweep_searches = 2;
+    std::int64_t map_searches = 2;
+    std::int64_t max_steps = 4;
+    std::int64_t map_every = 1;
+    double converged_m = 5e-4;
+    double converged_deg = 0.05;
+    double sigma = 0.1;
+    std::int64_t min_matches = 20;
+    double degenerate_eigenvalue = 100.0;
+    double sweep_distance = 5.0;
+    std::int64_t sweep_lines = 2;
+    config::Nested<Residual> lines{"point_to_line"};
+    config::Nested<Residual> planes{"point_to_plane"};
+  };
+  static void describe(config::Binder& b, Params& p);
+  /// Throws ConfigError when a residual takes surfaces from the map.
+  ScanMatcher(const Params& params, const BuildContext& context);
+
+  bool uses_imu() const override { return false; }
+  bool uses_history() const override { return false; }
+  void reset(const InitialState& initial) override;
+  const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
+  const NavState& state() const override { return state_; }
+  NavState predict(std::span<const ImuSample> imu) const override;
+
+ private:
+  /// The points of one class: which residual they have, and where they are in the list of matches.
+  struct Kind {
+    Kind(std::unique_ptr<Residual> own_residual, std::uint8_t own_feature, const SweepIndex::Reach& reach)
+        : residual(std::move(own_residual)), feature(own_feature), last_sweep(reach) {}
+    std::unique_ptr<Residual> residual;
+    std::uint8_t feature;
+    SweepIndex last_sweep;
+    PointMatches all;                  ///< against the map
+    std::vector<std::uint32_t> index;  ///< of `all`, into the frame's matches
+    PointMatches clearest;             ///< against the last sweep
+
+    std::size_t rows() const { return static_cast<std::size_t>(residual->rows_per_match()); }
+  };
+  /// What a step of Gauss-Newton was like.
+  enum class Step : std::uint8_t { refused, moved, small };
+
+  NavState predicted(TimeNs t) const;
+  void propagate(TimeNs end);
+  void load(const Window& window, const StepContext& context);
+  void list_clearest(Kind& kind);
+  bool match_last_sweep();
+  void associate_clearest(Kind& kind);
+  bool match_map(const Map& map);
+  PoseInformation measure(PointMatches& matches, Residual& residual, const Pose& at);
+  Step move(const PoseInformation& sum, const Mat6& held, Pose& end);
+  Mat6 held_directions(const Mat6& A);
+  void accept(const Pose& end, const PoseInformation& fresh);
+  void refuse(UpdateStatus status);
+  void finish();
+  void record_matches();
+
+  Params params_;
+  exec::Executor& exec_;
+  Kind lines_, planes_;
+
+  NavState state_;
+  StateMatrix P_ = StateMatrix::Zero();
+  TimeNs accepted_t_ = kTimeMin;
+  Pose accepted_;  ///< at that time
+  ConstantTwist twist_;
+
+  NavState prior_;
+  WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
+  Frame frame_;
+  bool degenerate_ = false, converged_ = false;
+  PoseInformation last_;  ///< fresh rows of the last step taken
+  std::vector<PoseInformation> partials_;
+  std::vector<MatchRecord> records_, own_records_;
+  Update result_;
+};
+
+}  // namespace aslio::plugins
