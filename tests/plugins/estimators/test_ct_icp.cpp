@@ -109,3 +109,28 @@ TEST_CASE("ct_icp: impossible IMU data does not outlive its window") {
   CHECK(update.state.p.allFinite());
   CHECK(filter.update(RoomWindow(kRoomEpoch + kTenth, kTenth, Pose{}, 3)).accepted);
 }
+
+TEST_CASE("with IMU: after a start in motion the map begins anew until the velocity is found") {  // eq. INI-3
+  const TurningRoom motion{.drift = Vec3(1.0, 0.5, 0)};
+  for (const std::string& type : {kImu, std::string("estimator={type: smoother}")}) {
+    CAPTURE(type);
+    Filter filter({type});
+    filter.build_map(1);
+    InitialState initial;
+    initial.state.t = kRoomEpoch;
+    initial.state.b_w = Vec3(0.001, 0.002, -0.001);
+    initial.mode = InitialMode::dynamic_start;
+    initial.sigma_velocity = 3.0;
+    filter.estimator->reset(initial);
+    for (std::uint32_t k = 0; k < 8; ++k) {
+      const TimeNs end = kRoomEpoch + (k + 1) * kTenth;
+      const Update& update = filter.update(RoomWindow(end - kTenth, kTenth, motion, k + 2));
+      CAPTURE(k);
+      REQUIRE(update.accepted);
+      CHECK(update.restart_map == (k < 5));
+      if (k < 5) CHECK(update.state.b_w == initial.state.b_w);
+      if (k >= 3) CHECK((update.state.v - motion.drift).norm() < 0.1);
+    }
+    CHECK(filter.estimator->state().b_w != initial.state.b_w);
+  }
+}
