@@ -121,6 +121,7 @@ class Author(unittest.TestCase):
         for family in families:
             self.assertRegex(results, rf"contract: {family}/my_{family} \.+ +Passed", msg=results[-4000:])
         self.assertRegex(results, r"contract: windows/forgetful \.+\**Failed")
+        self.assertIn("plan.fresh_begin == begin", results)  # what it failed at
         self.assertRegex(results, r"1 tests failed out of 11")
 
         objects = ":".join(str(build / family) for family in families)

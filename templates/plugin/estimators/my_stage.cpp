@@ -36,11 +36,16 @@ void MyStage::describe(config::Binder& b, Params& p) {
   b.real("converged", p.converged, "", {.above = 0.0, .max = 1.0}, "length of the last step, rad and m alike");
   b.integer("min_matches", p.min_matches, "", {.min = 3, .max = 1e6}, "fewer accepted rows: the step is refused");
   b.real("sigma", p.sigma, "m", {.above = 0.0, .max = 10.0}, "standard deviation of a residual");
+  b.real("sigma_rotation", p.sigma_rotation, "rad", {.above = 0.0, .max = 1.0}, "of the prediction over a window");
+  b.real("sigma_position", p.sigma_position, "m", {.above = 0.0, .max = 10.0}, "of the prediction over a window");
   b.stage("residual", p.residual, "what a match measures");
 }
 
 MyStage::MyStage(const Params& params, const BuildContext& context)
-    : params_(params), T_imu_lidar_(context.sensor.T_imu_lidar), residual_(params.residual.make(context)) {}
+    : params_(params), T_imu_lidar_(context.sensor.T_imu_lidar), residual_(params.residual.make(context)) {
+  prior_information_.diagonal() << Vec3::Constant(1.0 / (params.sigma_rotation * params.sigma_rotation)),
+      Vec3::Constant(1.0 / (params.sigma_position * params.sigma_position));
+}
 
 MapContent MyStage::map_content() const {
   return residual_->surfaces_from_map() ? MapContent::surfaces : MapContent::points;
@@ -48,21 +53,19 @@ MapContent MyStage::map_content() const {
 
 void MyStage::reset(const InitialState& initial) {
   state_ = initial.state;
-  turn_rate_.setZero();
   result_ = Update{};
 }
 
-NavState MyStage::predicted(TimeNs t) const {
-  NavState out = state_;
-  const double dt = to_seconds(t - state_.t);
-  out.t = t;
-  out.R = orthonormalised(state_.R * exp_so3(dt * turn_rate_));
-  out.p += dt * state_.v;
-  return out;
-}
-
 NavState MyStage::predict(std::span<const ImuSample> imu) const {
-  return imu.empty() ? state_ : predicted(imu.back().t);
+  NavState out = state_;
+  if (imu.empty()) return out;
+  for (std::size_t i = 1; i < imu.size(); ++i) {
+    const Vec3 rate = 0.5 * (imu[i - 1].gyro + imu[i].gyro) - state_.b_w;
+    out.R = orthonormalised(out.R * exp_so3(to_seconds(imu[i].t - imu[i - 1].t) * rate));
+  }
+  out.t = imu.back().t;
+  out.p += to_seconds(out.t - state_.t) * state_.v;
+  return out;
 }
 
 /// Samples, and places the points in I at the end of the window, by the motion that is predicted.
@@ -143,7 +146,10 @@ void MyStage::solve(const Map& map) {
       result_.status = UpdateStatus::few_matches;
       return;
     }
-    const Vec6 step = -normal.A.ldlt().solve(normal.b);
+    Vec6 off;  // from the prediction, which holds the directions that nothing was seen of
+    off << log_so3(trajectory_.end.R.transpose() * end.R), end.p - trajectory_.end.p;
+    const Mat6 A = normal.A + prior_information_;
+    const Vec6 step = -A.ldlt().solve(normal.b + prior_information_ * off);
     if (!step.allFinite()) {
       result_.status = UpdateStatus::non_finite;
       result_.insert = false;
@@ -162,15 +168,13 @@ void MyStage::solve(const Map& map) {
 
 void MyStage::accept(const Pose& end, const Normal& normal) {
   const double dt = to_seconds(trajectory_.end_t - trajectory_.begin_t);
-  turn_rate_ = log_so3(trajectory_.begin.R.transpose() * end.R) / dt;
   state_.v = (end.p - trajectory_.begin.p) / dt;
   state_.R = end.R;
   state_.p = end.p;
   trajectory_.end = end;
   result_.accepted = true;
   result_.residual_rms = std::sqrt(normal.squared / normal.rows);
-  // Directions that nothing was seen of are known to 1e3 (rad, m), not to infinity.
-  result_.P.topLeftCorner<6, 6>() = (normal.A + 1e-6 * Mat6::Identity()).ldlt().solve(Mat6::Identity());
+  result_.P.topLeftCorner<6, 6>() = (normal.A + prior_information_).ldlt().solve(Mat6::Identity());
   Mat6 scaled = normal.A;
   constexpr double lever = 5.0;  // [m], at which rotation counts as position
   scaled.topRows<3>() /= lever;
@@ -218,7 +222,8 @@ const Update& MyStage::update(const Window& window, const HistorySelection& past
   result_ = Update{};
   trajectory_.begin_t = state_.t;
   trajectory_.begin = state_.pose();
-  state_ = predicted(window.plan.end);
+  state_ = predict(window.imu);
+  state_.t = window.plan.end;  // also of a window without IMU data
   trajectory_.end_t = state_.t;
   trajectory_.end = state_.pose();
   result_.prior = state_;
@@ -231,8 +236,8 @@ const Update& MyStage::update(const Window& window, const HistorySelection& past
 namespace {
 
 void register_types(plugin::Catalog& catalog) {
-  plugin::Registry<Estimator>(catalog).add<MyStage>("my_stage",
-                                                    "Gauss-Newton registration, the motion goes on as before.");
+  plugin::Registry<Estimator>(catalog).add<MyStage>(
+      "my_stage", "Registration by Gauss-Newton steps from a prediction of gyro and velocity.");
 }
 
 }  // namespace

@@ -24,9 +24,10 @@ class Between final : public aslio::TrajectoryModel {
   double share(aslio::TimeNs t) const;
 };
 
-/// What is the state, given window and map? Here: registration without IMU. The motion goes on as before, and Gauss-
-/// Newton steps, each with new matches, move the end of the window until they are small. Old points of the window take
-/// no part. The contract stands in aslio/stages/estimator.hpp.
+/// What is the state, given window and map? Here: registration. The gyro says how far the window turns, the velocity of
+/// the last one how far it goes; Gauss-Newton steps, each with new matches, move its end until they are small, and the
+/// prediction holds the directions that nothing was seen of. Old points of the window and the accelerometer take no
+/// part. The contract stands in aslio/stages/estimator.hpp.
 class MyStage final : public aslio::Estimator {
  public:
   /// Defaults stand here and nowhere else.
@@ -35,6 +36,8 @@ class MyStage final : public aslio::Estimator {
     double converged = 1e-4;
     std::int64_t min_matches = 50;
     double sigma = 0.1;
+    double sigma_rotation = 0.005;
+    double sigma_position = 0.02;
     aslio::config::Nested<aslio::Residual> residual{"point_to_plane"};
   };
   /// Names, units, ranges and meanings: what `aslio describe` tells and what a configuration is checked against.
@@ -43,7 +46,6 @@ class MyStage final : public aslio::Estimator {
   MyStage(const Params& params, const aslio::BuildContext& context);
 
   aslio::MapContent map_content() const override;
-  bool uses_imu() const override { return false; }
   void reset(const aslio::InitialState& initial) override;
   const aslio::Update& update(const aslio::Window& window, const aslio::HistorySelection& past,
                               const aslio::StepContext& context) override;
@@ -58,7 +60,6 @@ class MyStage final : public aslio::Estimator {
     std::uint32_t rows = 0;
     double squared = 0;  ///< sum of r^2 [m^2]
   };
-  aslio::NavState predicted(aslio::TimeNs t) const;
   void load(const aslio::Window& window, aslio::SamplerChain& samplers);
   void associate(const aslio::Map& map, const aslio::Pose& end);
   Normal evaluate(const aslio::Pose& end);
@@ -69,9 +70,9 @@ class MyStage final : public aslio::Estimator {
   Params params_;
   aslio::Pose T_imu_lidar_;
   std::unique_ptr<aslio::Residual> residual_;
+  aslio::Mat6 prior_information_ = aslio::Mat6::Zero();  ///< of the predicted (theta, p)
 
   aslio::NavState state_;
-  aslio::Vec3 turn_rate_ = aslio::Vec3::Zero();  ///< of the last window, in I [rad/s]
   Between trajectory_;
   aslio::Update result_;
 
