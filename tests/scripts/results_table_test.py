@@ -60,6 +60,13 @@ class ResultsTable(StudyCase):
         self.assertIn("`x` where a run failed before a tenth of the way, `-` where it failed later", out)
         self.assertIn("| late | -, 1 of 1 failed | - |", out)
 
+    def test_marks_that_the_runs_tell(self):
+        self.study("mine", [("a", 1, "m", (0.1, None)), ("a", 2, "m", (0.1, 0.09)), ("a", 3, "m", (0.1, 0.1)),
+                            ("a", 4, "m", (None, None), "crashed"), ("a", 5, "m", (None, None), "diverged")],
+                   figures=("end_to_end_m", "failed_at"))
+        study = Study(self.root)
+        self.assertEqual([divergence.mark(study, run) for run in study.runs], [None, "x", "-", "x", "-"])
+
     def test_five_percent_of_the_way_and_two_metres(self):
         for jump, error, mark in ((5.0, 1.9, None), (5.0, 2.1, "x"), (60.0, 2.9, None), (60.0, 3.1, "-")):
             t = np.arange(0, 70, 0.1)

@@ -43,7 +43,12 @@ def silent_from(updates, end):
 
 
 def mark(study, run):
-    """"x", "-", or None for a run that has not failed; without the truth of its data, the status of the run decides alone."""
+    """"x", "-", or None for a run that has not failed. Runs of older versions do not tell; without the truth of its data, the status of the run decides alone."""
+    if "failed_at" in run.figures:  # told by the run itself
+        at = run.figures["failed_at"]
+        if at is None:
+            return None if run.good() else "-" if run.status == "diverged" else "x"
+        return "x" if at < EARLY_SHARE else "-"
     path = study.data_file(run.data, "truth.tum")
     if not path.exists():
         return None if run.good() else "x"

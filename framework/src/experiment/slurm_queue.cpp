@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
@@ -22,13 +25,29 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kNotFound = 127;
+constexpr std::chrono::seconds kPatience{120};  // Slurm itself gives up on its controller sooner
 
 struct Answer {
   int code = 0;
   std::string text;  ///< stdout and stderr
 };
 
-/// Runs a program of Slurm to its end.
+/// False: the end of what the other side writes has not come in time.
+bool read_all(int file, std::string& text) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  std::array<char, 4096> buffer{};
+  while (true) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return false;
+    pollfd wait{.fd = file, .events = POLLIN, .revents = 0};
+    if (::poll(&wait, 1, static_cast<int>(left.count())) <= 0) continue;
+    const ssize_t got = ::read(file, buffer.data(), buffer.size());
+    if (got > 0) text.append(buffer.data(), static_cast<std::size_t>(got));
+    if (got == 0 || (got < 0 && errno != EINTR)) return true;
+  }
+}
+
+/// Runs a program of Slurm to its end, or until it has been waited for long enough.
 Answer ask(const std::vector<std::string>& words) {
   std::vector<std::string> copy = words;
   std::vector<char*> argv;
@@ -46,17 +65,14 @@ Answer ask(const std::vector<std::string>& words) {
   }
   ::close(ends[1]);
   Answer answer;
-  std::array<char, 4096> buffer{};
-  for (ssize_t got = 1; got != 0;) {
-    got = ::read(ends[0], buffer.data(), buffer.size());
-    if (got > 0) answer.text.append(buffer.data(), static_cast<std::size_t>(got));
-    if (got < 0 && errno != EINTR) break;
-  }
+  const bool in_time = read_all(ends[0], answer.text);
   ::close(ends[0]);
+  if (!in_time) ::kill(id, SIGKILL);
   int status = 0;
   while (::waitpid(id, &status, 0) < 0 && errno == EINTR) {
   }
-  answer.code = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  answer.code = in_time && WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  if (!in_time) answer.text += "timed out";
   if (answer.code == kNotFound) {
     throw ConfigError(
         fmt::format("--executor slurm: {} cannot be started; call this where Slurm's commands are, or leave the option "
