@@ -3,6 +3,7 @@ their own, as the user who calls; a task is killed and the daemon of the node is
 
 usage: slurm_test.py ASLIO    (needs Debian's slurm-wlm and munge)
 """
+import contextlib
 import csv
 import os
 import pathlib
@@ -108,16 +109,44 @@ class Cluster:
         self.start(name, *self.arguments[name])
 
     def ask(self, *words):
-        return subprocess.run(words, env=self.environment, capture_output=True, text=True).stdout
+        """What a command of Slurm prints; nothing when it does not answer in time."""
+        try:
+            return subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=30).stdout
+        except subprocess.TimeoutExpired:
+            return ""
+
+    def logs(self):
+        return "".join(f"== {p.name}\n{p.read_text(errors='replace')[-3000:]}" for p in
+                       [*self.folder.glob("*.log"), *self.folder.glob("*.out"), *self.folder.parent.glob("*.txt")])
 
     def wait_for(self, condition, what, seconds=60):
         end = time.monotonic() + seconds
         while not condition():
             if time.monotonic() > end:
-                logs = "".join(f"== {p.name}\n{p.read_text(errors='replace')[-3000:]}" for p in
-                               [*self.folder.glob("*.log"), *self.folder.glob("*.out")])
-                raise AssertionError(f"no {what} within {seconds} s\n{logs}")
+                raise AssertionError(f"no {what} within {seconds} s\n{self.logs()}")
             time.sleep(0.1)
+
+    def restart_both(self):
+        """Killed, and started again. The node comes back when its tasks are older than BatchStartTimeout (10 s), so that the
+        controller misses them when the node reports, and not at the next report, which may be minutes later."""
+        self.kill("slurmctld")
+        self.kill("slurmd")
+        killed = time.monotonic()
+        time.sleep(2)
+        self.restart("slurmctld")
+        self.wait_for(lambda: " is UP" in self.ask("scontrol", "ping"), "controller after its restart")
+        time.sleep(max(0, killed + 12 - time.monotonic()))
+        self.restart("slurmd")
+
+    def leftovers(self):
+        """What runs by this cluster's configuration: tasks, and the steps that wait for a controller without end."""
+        mark = f"SLURM_CONF={self.folder}/slurm.conf".encode()
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if int(process.name) != os.getpid() and mark in (process / "environ").read_bytes().split(b"\0"):
+                    yield int(process.name)
+            except OSError:
+                continue
 
     def stop(self):
         self.ask("scancel", "--full", f"--user={os.getuid()}")
@@ -128,6 +157,9 @@ class Cluster:
                     self.processes[name].wait(20)
                 except subprocess.TimeoutExpired:
                     self.kill(name)
+        for process in self.leftovers():
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
 
 
 def write_study(folder):
@@ -162,7 +194,7 @@ class Slurm(unittest.TestCase):
             folder = pathlib.Path(name)
             write_study(folder)
             local = subprocess.run([ASLIO, "experiment", folder / "study.yaml", "--output", folder / "local", "--jobs", "2",
-                                    "--quiet"], capture_output=True, text=True)
+                                    "--quiet"], capture_output=True, text=True, timeout=900)
             self.assertEqual(local.returncode, 0, local.stderr)
             (folder / "cluster").mkdir()
             cluster = Cluster(folder / "cluster")
@@ -184,25 +216,25 @@ class Slurm(unittest.TestCase):
         # A task is killed, one that has just begun ..
         begun = lambda: [task for task in running() if not list(
             (folder / f"slurm/runs/q_{int(task.split('_')[1]) + 1}").glob("*/run_key.json"))]
-        cluster.wait_for(lambda: finished() >= 3 and begun(), "three finished runs and a task that begins", 200)
+        cluster.wait_for(lambda: finished() >= 3 and begun(), "three finished runs and a task that begins", 600)
         cluster.ask("scancel", begun()[-1])
         # .. the caller goes away and comes back ..
-        cluster.wait_for(lambda: finished() >= 8, "eight finished runs", 120)
+        cluster.wait_for(lambda: finished() >= 8, "eight finished runs", 600)
         first.send_signal(signal.SIGINT)
-        self.assertEqual(first.wait(60), 130, (folder / "first.txt").read_text())
-        second = subprocess.Popen(command, env=cluster.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        cluster.wait_for(lambda: first.poll() is not None, "end of the call that was interrupted", 60)
+        self.assertEqual(first.returncode, 130, (folder / "first.txt").read_text())
+        with open(folder / "second.txt", "w") as log:
+            second = subprocess.Popen(command, env=cluster.environment, stdout=log, stderr=log)
         # .. and the daemons are killed midway, with what the node was doing.
-        cluster.wait_for(lambda: finished() >= 12 and running(), "twelve finished runs", 120)
-        cluster.kill("slurmctld")
-        cluster.kill("slurmd")
-        time.sleep(2)
-        cluster.restart("slurmctld")
-        cluster.restart("slurmd")
-        text = second.communicate(timeout=400)[0]
+        cluster.wait_for(lambda: finished() >= 12 and running(), "twelve finished runs", 600)
+        cluster.restart_both()
+        cluster.wait_for(lambda: second.poll() is not None, "end of the study", 1200)
+        text = (folder / "second.txt").read_text()
         self.assertEqual(second.returncode, 0, text)
         print((folder / "first.txt").read_text() + text, f"{time.monotonic() - begin:.1f} s for {TASKS} tasks")
         self.assertIn("submitted again", (folder / "first.txt").read_text() + text)
-        self.assertEqual(cluster.ask("squeue", "-h"), "")
+        # A task that has ended may be completing for a moment.
+        cluster.wait_for(lambda: cluster.ask("squeue", "-h") == "", "empty queue", 120)
 
 
 if __name__ == "__main__":

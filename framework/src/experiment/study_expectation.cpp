@@ -141,7 +141,7 @@ class Judge {
     };
     const Count count = required.pairs ? count_pairs(rule, a, b, won) : count_sequences(rule, a, b, won);
     const std::size_t needed = required.of > 0 ? required.needed : count.of / 2 + 1;
-    const std::string_view unit = required.pairs ? "pairs" : "sequences";
+    const std::string unit = std::string(required.pairs ? "pair" : "sequence") + (count.of == 1 ? "" : "s");
     JudgedRule out;
     out.text = fmt::format(
         "{} of {} {} {}that of {} on {} of {} {}, {}", rule.metric, rule.method, what.lower ? "below" : "above",
