@@ -29,8 +29,8 @@ before(async () => {
   page.on('request', (request) => requests.push(request.url()));
   await page.evaluateOnNewDocument(() => { globalThis.fail = () => { globalThis.hacked = true; }; });
   // A machine that is busy with other tests takes its time to draw in software.
-  page.setDefaultTimeout(120_000);
-  await page.goto(pathToFileURL(join(folder, 'report.html')).href, {waitUntil: 'domcontentloaded', timeout: 120_000});
+  page.setDefaultTimeout(300_000);
+  await page.goto(pathToFileURL(join(folder, 'report.html')).href, {waitUntil: 'domcontentloaded', timeout: 300_000});
   await page.waitForSelector('html[data-ready="true"]');
   await look('runs');
   await page.waitForSelector('.timeline .u-over');
