@@ -69,6 +69,10 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
       {with(head, "on_new", "min_distance") + surfaces +
            "estimator: {type: ieskf, residual: {type: point_to_plane, planes: map}}\n",
        {":6:12: insertion: 'min_distance'", "'voxel_plane' holds surfaces", "choose another insertion"}},
+      {with(head, "history: none", "history: balanced") + "map: voxel_hash\nestimator: pointwise_eskf\n",
+       {":4:10: history: 'balanced' gives points of earlier updates", "'pointwise_eskf' takes none", "{type: none}"}},
+      {with(head, "history: none", "history: full") + "map: voxel_hash\nestimator: smoother\n",
+       {":4:10: history: 'full' gives points", "'smoother' takes none"}},
       {with(head, "{type: fixed}", replay) + points,
        {":2:9: window: ", "gone.csv: cannot open the schedule", "name the updates.csv of a run"}},
       {with(head, "{type: fixed}", schedule) + points, {":2:9: window: ", "torn.csv:3: t_ns 'x' is not a time"}}};
