@@ -1,8 +1,8 @@
 // A picture of a report, or its print as PDF, by headless Chromium.
 //
-//   node screenshot.mjs --page out/report.html --output figure.png [--section runs] [--width 1400] [--height 900] [--dark]
+//   node screenshot.mjs --page out/report.html --output figure.png [--section runs] [--errors 50] [--width 1400] [--height 900] [--dark]
 //
-// The ending of --output decides: png, webp or pdf. Needs puppeteer-core, from the folder ASLIO_MODULES where the page is built, and
+// --errors draws the errors of trajectories so many times as large (1, 10, 50, 200). The ending of --output decides: png, webp or pdf. Needs puppeteer-core, from the folder ASLIO_MODULES where the page is built, and
 // Chromium (ASLIO_CHROMIUM, default /usr/bin/chromium).
 import {createRequire} from 'node:module';
 import {extname, join, resolve} from 'node:path';
@@ -10,7 +10,7 @@ import {pathToFileURL} from 'node:url';
 import {parseArgs} from 'node:util';
 
 const {values: options} = parseArgs({options: {
-  page: {type: 'string'}, output: {type: 'string'}, section: {type: 'string'}, dark: {type: 'boolean', default: false},
+  page: {type: 'string'}, output: {type: 'string'}, section: {type: 'string'}, errors: {type: 'string', default: '1'}, dark: {type: 'boolean', default: false},
   width: {type: 'string', default: '1400'}, height: {type: 'string', default: '900'},
 }});
 const modules = process.env.ASLIO_MODULES ?? 'build/release/tools/report/page';
@@ -33,6 +33,7 @@ try {
     await section.scrollIntoView();
     await new Promise((done) => setTimeout(done, 400));
   }
+  await page.select('select[aria-label="error drawn"]', options.errors);
   await page.$eval(options.section ? `#${options.section}` : 'body', (element) => element.scrollIntoView());
   await new Promise((done) => setTimeout(done, 2500));
   if (kind === 'pdf') await page.pdf({path: options.output, format: 'A4', printBackground: true});

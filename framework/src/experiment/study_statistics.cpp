@@ -61,7 +61,7 @@ void Tally::count(double value, double baseline) {
 
 StudyFigures::StudyFigures(const Study& study, const std::vector<StudyRun>& runs,
                            const std::vector<std::optional<StudyRow>>& rows)
-    : study_(study), runs_(runs), rows_(rows) {
+    : study_(study), rows_(rows) {
   std::vector<std::size_t> sequence_of;
   for (const StudyData& data : study.data) {
     const auto at = std::find(sequences_.begin(), sequences_.end(), data.sequence);

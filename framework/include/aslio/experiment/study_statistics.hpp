@@ -67,7 +67,6 @@ class StudyFigures {
   Comparison compare(std::size_t method, std::size_t baseline, const std::string& metric) const;
 
   const Study& study_;
-  const std::vector<StudyRun>& runs_;
   const std::vector<std::optional<StudyRow>>& rows_;
   std::vector<std::string> sequences_;
   std::vector<std::vector<std::vector<std::size_t>>> runs_of_;  ///< by sequence and method, in their order
