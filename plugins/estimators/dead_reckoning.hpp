@@ -11,17 +11,20 @@ namespace aslio::plugins {
 class DeadReckoning {
  public:
   void forget() { since_ = kTimeMin; }
-  void begin(TimeNs t, const StateMatrix& P) {
+  /// `P`: any covariance whose first six entries are those of the pose error (theta, p).
+  template <class Covariance>
+  void begin(TimeNs t, const Covariance& P) {
     since_ = t;
-    position_ = P.diagonal().segment<3>(block::p).maxCoeff();
-    tilt_ = P.diagonal().segment<3>(block::theta).maxCoeff();
+    position_ = P.diagonal().template segment<3>(block::p).maxCoeff();
+    tilt_ = P.diagonal().template segment<3>(block::theta).maxCoeff();
   }
   bool begun() const { return since_ != kTimeMin; }
-  bool good(TimeNs t, const StateMatrix& P) const {
+  template <class Covariance>
+  bool good(TimeNs t, const Covariance& P) const {
     constexpr double max_position = 0.1, max_turn = std::numbers::pi / 180.0;  // [m], [rad]
     if (!begun() || t - since_ > kSecond) return false;
-    const double position = P.diagonal().segment<3>(block::p).maxCoeff() - position_;
-    const double turn = P.diagonal().segment<3>(block::theta).maxCoeff() - tilt_;
+    const double position = P.diagonal().template segment<3>(block::p).maxCoeff() - position_;
+    const double turn = P.diagonal().template segment<3>(block::theta).maxCoeff() - tilt_;
     return position < max_position * max_position && turn < max_turn * max_turn;
   }
 

@@ -46,7 +46,7 @@ void Ieskf::reset(const InitialState& initial) {
   velocity_updates_ = 0;
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
-  accepted_t_ = kTimeMin;
+  dead_reckoning_.forget();
   left_open_ = false;
   result_ = Update{};
 }
@@ -367,9 +367,7 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   result_.accepted = true;
   result_.insert = true;
   if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
-  accepted_t_ = state_.t;
-  accepted_position_variance_ = P_.diagonal().segment<3>(block::p).maxCoeff();
-  accepted_tilt_variance_ = P_.diagonal().segment<3>(block::theta).maxCoeff();
+  dead_reckoning_.begin(state_.t, P_);
 }
 
 /// eq. INI-3: the first windows were de-skewed with a wrong velocity; their displacements must not pass for
@@ -388,20 +386,12 @@ void Ieskf::find_velocity_alone() {
   result_.restart_map = true;
 }
 
-bool Ieskf::dead_reckoning_is_good() const {
-  constexpr double max_position = 0.1, max_turn = kRadPerDeg;
-  if (accepted_t_ == kTimeMin || state_.t - accepted_t_ > kSecond) return false;
-  const double position = P_.diagonal().segment<3>(block::p).maxCoeff() - accepted_position_variance_;
-  const double turn = P_.diagonal().segment<3>(block::theta).maxCoeff() - accepted_tilt_variance_;
-  return position < max_position * max_position && turn < max_turn * max_turn;
-}
-
 void Ieskf::refuse(UpdateStatus status) {
   result_.status = status;
   result_.accepted = false;
-  left_open_ = accepted_t_ != kTimeMin;
+  left_open_ = dead_reckoning_.begun();
   // Unseen space can only become known by inserting it: go on while dead reckoning is still good (eq. IESKF-8).
-  result_.insert = status == UpdateStatus::few_matches && dead_reckoning_is_good();
+  result_.insert = status == UpdateStatus::few_matches && dead_reckoning_.good(state_.t, P_);
 }
 
 const Update& Ieskf::update(const Window& window, const HistorySelection& past, const StepContext& context) {
@@ -438,9 +428,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
   if (finite && context.map.size() == 0) {
     result_.status = UpdateStatus::initialising;
-    accepted_t_ = state_.t;
-    accepted_position_variance_ = P_.diagonal().segment<3>(block::p).maxCoeff();
-    accepted_tilt_variance_ = P_.diagonal().segment<3>(block::theta).maxCoeff();
+    dead_reckoning_.begin(state_.t, P_);
   } else if (finite) {
     iterate(past, context);
   }

@@ -2,6 +2,7 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
+#include "estimators/dead_reckoning.hpp"
 #include "estimators/frame.hpp"
 #include "estimators/imu_noise.hpp"
 #include "estimators/information_update.hpp"
@@ -102,7 +103,6 @@ class Ieskf final : public Estimator {
   void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Normal& normal,
               const HistorySelection& past);
   void refuse(UpdateStatus status);
-  bool dead_reckoning_is_good() const;
   void finish();
 
   Params params_;
@@ -115,10 +115,8 @@ class Ieskf final : public Estimator {
   int velocity_updates_ = 0;  ///< accepted updates of a dynamic start
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
-  // Growth of the uncertainty since the last accepted update decides how long dead reckoning may extend the map.
-  TimeNs accepted_t_ = kTimeMin;
+  DeadReckoning dead_reckoning_;
   bool left_open_ = false;  ///< the last update left a direction open, or was refused after others were not
-  double accepted_position_variance_ = 0, accepted_tilt_variance_ = 0;
 
   std::span<const ImuSample> imu_;  ///< of the window
   NavState begin_;                  ///< state at its begin

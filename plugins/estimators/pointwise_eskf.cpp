@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "aslio/core/cpu_clock.hpp"
 #include "estimators/point_matches.hpp"
@@ -54,7 +53,7 @@ void PointwiseEskf::reset(const InitialState& initial) {
   now_.x = {s.t, s.R, s.p, s.v, Vec3::Zero(), -(s.R.transpose() * s.g), s.g, s.b_w, s.b_a};
   doubt(initial.sigma_velocity);
   now_.covariance_t = s.t;
-  accepted_t_ = kTimeMin;
+  dead_reckoning_.forget();
   result_ = Update{};
 }
 
@@ -290,18 +289,12 @@ const Update& PointwiseEskf::update(const Window& window, const HistorySelection
       refuse(status);
     } else {
       result_.status = UpdateStatus::initialising;
-      remember_accepted();
+      dead_reckoning_.begin(now_.x.t, now_.P);
     }
     result_.prior = now_.x.nav();
   }
   finish();
   return result_;
-}
-
-void PointwiseEskf::remember_accepted() {
-  accepted_t_ = now_.x.t;
-  accepted_position_variance_ = now_.P.diagonal().segment<3>(pw::p).maxCoeff();
-  accepted_tilt_variance_ = now_.P.diagonal().segment<3>(pw::theta).maxCoeff();
 }
 
 void PointwiseEskf::accept(const PointwiseState& begin) {
@@ -319,22 +312,13 @@ void PointwiseEskf::accept(const PointwiseState& begin) {
   const bool open = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0] < 1.0;
   result_.status = open ? UpdateStatus::degenerate : UpdateStatus::ok;
   if (initial_.mode == InitialMode::dynamic_start && velocity_windows_ < kVelocityWindows) find_velocity_alone(begin);
-  remember_accepted();
+  dead_reckoning_.begin(now_.x.t, now_.P);
 }
 
 void PointwiseEskf::refuse(UpdateStatus status) {
   result_.status = status;
   std::fill(records_.begin(), records_.end(), MatchRecord{});
-  result_.insert = status == UpdateStatus::few_matches && dead_reckoning_is_good();
-}
-
-// eq. IESKF-8.
-bool PointwiseEskf::dead_reckoning_is_good() const {
-  constexpr double max_position = 0.1, max_turn = std::numbers::pi / 180.0;
-  if (accepted_t_ == kTimeMin || now_.x.t - accepted_t_ > kSecond) return false;
-  const double position = now_.P.diagonal().segment<3>(pw::p).maxCoeff() - accepted_position_variance_;
-  const double turn = now_.P.diagonal().segment<3>(pw::theta).maxCoeff() - accepted_tilt_variance_;
-  return position < max_position * max_position && turn < max_turn * max_turn;
+  result_.insert = status == UpdateStatus::few_matches && dead_reckoning_.good(now_.x.t, now_.P);
 }
 
 void PointwiseEskf::finish() {

@@ -2,6 +2,7 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
+#include "estimators/dead_reckoning.hpp"
 #include "estimators/frame.hpp"
 #include "estimators/initial_covariance.hpp"
 #include "estimators/knot_trajectory.hpp"
@@ -65,8 +66,6 @@ class PointwiseEskf final : public Estimator {
   void take_points(std::size_t begin, std::size_t end, const Map& map);
   void accept(const PointwiseState& begin);
   void refuse(UpdateStatus status);
-  bool dead_reckoning_is_good() const;
-  void remember_accepted();
   void finish();
 
   Params params_;
@@ -76,8 +75,7 @@ class PointwiseEskf final : public Estimator {
   int velocity_windows_ = 0;  ///< accepted windows of a dynamic start
   Belief now_;
   NavState state_;
-  TimeNs accepted_t_ = kTimeMin;
-  double accepted_position_variance_ = 0, accepted_tilt_variance_ = 0;
+  DeadReckoning dead_reckoning_;
 
   Frame frame_;
   KnotTrajectory trajectory_;
