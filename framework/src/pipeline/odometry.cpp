@@ -23,16 +23,10 @@ class Odometry::Loop {
   Loop(const PipelineConfig& config, const BuildContext& context, StageSet stages)
       : config_(config),
         sensor_(context.sensor),
-        windows_(std::move(stages.window)),
-        overlaps_(std::move(stages.overlap)),
-        histories_(std::move(stages.history)),
-        samplers_(std::move(stages.samplers)),
-        map_(std::move(stages.map)),
-        insertion_(std::move(stages.insertion)),
-        estimator_(std::move(stages.estimator)),
-        probe_(stream_, *estimator_, *overlaps_, context.sensor),
+        stages_(std::move(stages)),
+        probe_(stream_, *stages_.estimator, *stages_.overlap, context.sensor),
         tracking_(config.max_speed, config.max_silence) {
-    if (!estimator_->uses_imu()) stream_.leave_imu_out();
+    if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
   }
 
   void run_available() {
@@ -42,46 +36,46 @@ class Odometry::Loop {
       std::optional<WindowPlan> plan;
       {
         const CpuTimer timer(record.times.window);
-        plan = windows_->next(stream_, feedback_, probe_);
+        plan = stages_.window->next(stream_, feedback_, probe_);
       }
       if (!plan) break;
       step(*plan, record);
-      stream_.release(feedback_.t - windows_->reach());
+      stream_.release(feedback_.t - stages_.window->reach());
     }
   }
 
   void step(const WindowPlan& plan, UpdateRecord& record) {
     const Window window = stream_.cut(plan, ++sequence_);
-    const HistorySelection past = histories_->select(window);
+    const HistorySelection past = stages_.history->select(window);
     {
       const CpuTimer timer(record.times.insert);
-      record.inserted = insertion_->begin(window, *map_);
+      record.inserted = stages_.insertion->begin(window, *stages_.map);
     }
-    const Update& update = estimator_->update(window, past, {samplers_, *map_, *histories_});
+    const Update& update = stages_.estimator->update(window, past, {stages_.samplers, *stages_.map, *stages_.history});
     record.times = add(record.times, update.times);
     {  // After alignment, BEFORE merging: measured after the merge it would always be about 1.
       const CpuTimer timer(record.times.overlap);
-      overlaps_->advance(plan.end);
-      record.overlap = overlaps_->evaluate(update.points(Tap::overlap), plan.end);
+      stages_.overlap->advance(plan.end);
+      record.overlap = stages_.overlap->evaluate(update.points(Tap::overlap), plan.end);
     }
     if (update.insert) {
       const CpuTimer timer(record.times.insert);
       if (update.restart_map) {
-        map_->clear();
-        overlaps_->clear();
+        stages_.map->clear();
+        stages_.overlap->clear();
       }
-      const InsertCount inserted = insertion_->apply(window, update, *map_);
+      const InsertCount inserted = stages_.insertion->apply(window, update, *stages_.map);
       record.inserted.offered += inserted.offered;
       record.inserted.inserted += inserted.inserted;
-      overlaps_->extend(update.points(Tap::overlap), plan.end);
-      map_->trim(update.state.p);
-      overlaps_->trim(update.state.p, map_->radius());
-      if (feedback_.first_insertion == kTimeMax && map_->size() > 0) feedback_.first_insertion = plan.end;
+      stages_.overlap->extend(update.points(Tap::overlap), plan.end);
+      stages_.map->trim(update.state.p);
+      stages_.overlap->trim(update.state.p, stages_.map->radius());
+      if (feedback_.first_insertion == kTimeMax && stages_.map->size() > 0) feedback_.first_insertion = plan.end;
     }
     if (update.accepted || update.status == UpdateStatus::initialising) {
-      histories_->commit(window, update);
+      stages_.history->commit(window, update);
     } else {
-      histories_->reset();
+      stages_.history->reset();
     }
     // A gap at the begin of the window is no time in which the estimator failed: its silence begins with the data.
     const TimeNs data_begin = window.fresh.empty() ? plan.fresh_begin : window.fresh.front().t;
@@ -94,16 +88,16 @@ class Odometry::Loop {
   void finish() {
     stream_.finish();
     run_available();
-    insertion_->finish(*map_);
+    stages_.insertion->finish(*stages_.map);
   }
 
   bool started() const { return initialisation_.has_value(); }
 
   bool start() {
-    initialisation_ = estimator_->uses_imu() ? initialise(stream_, config_.initialisation, sensor_)
-                                             : initialise_without_imu(stream_);
+    initialisation_ = stages_.estimator->uses_imu() ? initialise(stream_, config_.initialisation, sensor_)
+                                                    : initialise_without_imu(stream_);
     if (!started()) return false;
-    estimator_->reset(initialisation_->initial);
+    stages_.estimator->reset(initialisation_->initial);
     feedback_.t = initialisation_->initial.state.t;
     feedback_.state = initialisation_->initial.state;
     stream_.release(feedback_.t);
@@ -122,7 +116,7 @@ class Odometry::Loop {
     record.spectrum = update.spectrum;
     record.residual_rms = update.residual_rms;
     record.gyro_rms = gyro_rms(window.imu);
-    record.map_points = map_->size();
+    record.map_points = stages_.map->size();
     record.state = update.state;
     record.digest = state_digest(update.state);
     record.update = &update;
@@ -141,13 +135,7 @@ class Odometry::Loop {
   PipelineConfig config_;
   SensorModel sensor_;
   stream::MeasurementStream stream_;
-  std::unique_ptr<WindowStrategy> windows_;
-  std::unique_ptr<OverlapMetric> overlaps_;
-  std::unique_ptr<HistoryPolicy> histories_;
-  SamplerChain samplers_;
-  std::unique_ptr<Map> map_;
-  std::unique_ptr<Insertion> insertion_;
-  std::unique_ptr<Estimator> estimator_;
+  StageSet stages_;
   PriorProbe probe_;
   Tracking tracking_;
   std::vector<UpdateObserver*> observers_;
@@ -179,7 +167,7 @@ const std::optional<Divergence>& Odometry::divergence() const { return loop_->tr
 TrackingStatus Odometry::tracking() const { return loop_->tracking_.status(); }
 const std::optional<Initialisation>& Odometry::initialisation() const { return loop_->initialisation_; }
 const stream::MeasurementStream& Odometry::stream() const { return loop_->stream_; }
-const Map& Odometry::map() const { return *loop_->map_; }
-const OverlapMetric& Odometry::overlap() const { return *loop_->overlaps_; }
+const Map& Odometry::map() const { return *loop_->stages_.map; }
+const OverlapMetric& Odometry::overlap() const { return *loop_->stages_.overlap; }
 
 }  // namespace aslio::pipeline
