@@ -17,13 +17,14 @@ NavState ImuTrack::predict(const NavState& from, std::span<const ImuSample> imu)
   return state;
 }
 
-NavState ImuTrack::propagate(const NavState& from, const Window& window) {
+NavState ImuTrack::propagate(const NavState& from, const Window& window, WindowTrajectory* path) {
   const StateMatrix before = P_;
   NavState state = from;
   for (std::size_t i = 1; i < window.imu.size(); ++i) {
     const ImuSample &begin = window.imu[i - 1], &end = window.imu[i];
     motion_->propagate_covariance(state, begin, end, params_.noise.over(begin, end, sensor_, from.b_w, false), P_);
-    motion_->step(state, begin, end);
+    const MotionSegment segment = motion_->step(state, begin, end);
+    if (path != nullptr) path->append(segment, state);
   }
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   if (!P_.allFinite()) P_ = before;

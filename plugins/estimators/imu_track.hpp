@@ -4,6 +4,7 @@
 #include "aslio/stages/estimator.hpp"
 #include "estimators/imu_noise.hpp"
 #include "estimators/initial_covariance.hpp"
+#include "estimators/window_trajectory.hpp"
 
 namespace aslio::plugins {
 
@@ -17,8 +18,9 @@ class ImuTrack {
 
   void reset(const InitialState& initial);
   NavState predict(const NavState& from, std::span<const ImuSample> imu) const;
-  /// The state at the end of the window; P() follows, but for a window over which it would not stay finite.
-  NavState propagate(const NavState& from, const Window& window);
+  /// The state at the end of the window; P() follows, but for a window over which it would not stay finite. Every
+  /// interval is appended to `path`, if there is one.
+  NavState propagate(const NavState& from, const Window& window, WindowTrajectory* path = nullptr);
   /// The prediction after a registration found `pose` for it, known with `information` of (theta, p): one update of a
   /// Kalman filter that measures the pose (eqs. IESKF-4 to IESKF-6, H = I). P() follows.
   NavState correct(const NavState& predicted, const Pose& pose, const Mat6& information);

@@ -22,6 +22,7 @@ void ScanMatcher::reset(const InitialState& initial) {
   P_.setZero();
   accepted_t_ = kTimeMin;
   twist_ = {};
+  imu_.reset(initial);
   for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.clear();
   result_ = Update{};
 }
@@ -38,15 +39,20 @@ NavState ScanMatcher::predicted(TimeNs t) const {
 }
 
 NavState ScanMatcher::predict(std::span<const ImuSample> imu) const {
+  if (uses_imu()) return imu_.predict(state_, imu);
   return imu.empty() ? state_ : predicted(imu.back().t);
 }
 
-void ScanMatcher::propagate(TimeNs end) {
+void ScanMatcher::propagate(const Window& window) {
   const CpuTimer timer(result_.times.predict);
   const NavState begin = state_;
-  prior_ = state_ = predicted(end);
-  const double length = std::max(to_seconds(end - begin.t), 1e-9);
   trajectory_.clear(begin);
+  if (uses_imu()) {
+    prior_ = state_ = imu_.propagate(begin, window, &trajectory_);
+    return;
+  }
+  prior_ = state_ = predicted(window.plan.end);
+  const double length = std::max(to_seconds(prior_.t - begin.t), 1e-9);
   trajectory_.append({begin.t, length, begin.R, begin.p, (prior_.p - begin.p) / length,
                       log_so3(begin.R.transpose() * prior_.R) / length, Vec3::Zero()},
                      prior_);
@@ -181,13 +187,17 @@ void ScanMatcher::accept(const Pose& end, const PoseInformation& fresh) {
   const Mat6 information = fresh.A * (params_.sigma * params_.sigma / variance);
   result_.spectrum = pose_spectrum(information);
   result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
-  // The first pose is the begin of the world: before it, nothing is known of the motion.
-  if (accepted_t_ != kTimeMin) twist_.learn(accepted_, end, to_seconds(state_.t - accepted_t_));
-  accepted_ = end;
-  accepted_t_ = state_.t;
+  if (uses_imu()) {
+    state_ = imu_.correct(prior_, end, information);
+  } else {
+    // The first pose is the begin of the world: before it, nothing is known of the motion.
+    if (accepted_t_ != kTimeMin) twist_.learn(accepted_, end, to_seconds(state_.t - accepted_t_));
+    state_.v = end.R * twist_.velocity_in_body();
+  }
   state_.R = end.R;
   state_.p = end.p;
-  state_.v = end.R * twist_.velocity_in_body();
+  accepted_ = end;
+  accepted_t_ = state_.t;
   // Known no better than 1e3 (rad, m) where nothing was seen of a direction.
   const Mat6 bounded = information + 1e-6 * Mat6::Identity();
   P_.setZero();
@@ -204,7 +214,7 @@ void ScanMatcher::refuse(UpdateStatus status) {
 
 const Update& ScanMatcher::update(const Window& window, const HistorySelection&, const StepContext& context) {
   result_ = Update{};
-  propagate(window.plan.end);
+  propagate(window);
   result_.prior = state_;
   load(window, context);
   const bool map_is_due = (window.sequence - 1) % static_cast<std::uint32_t>(params_.map_every) == 0;
@@ -253,7 +263,7 @@ void ScanMatcher::finish() {
     for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.build(frame_.world(Tap::map), kind->feature);
   }
   result_.state = state_;
-  result_.P = P_;
+  result_.P = uses_imu() ? imu_.P() : P_;
   result_.states = {&state_, 1};
   result_.trajectory = &trajectory_;
   result_.matches = records_;

@@ -4,6 +4,7 @@
 #include "aslio/stages/build_context.hpp"
 #include "estimators/constant_twist.hpp"
 #include "estimators/frame.hpp"
+#include "estimators/imu_track.hpp"
 #include "estimators/information_update.hpp"
 #include "estimators/point_matches.hpp"
 #include "estimators/sweep_index.hpp"
@@ -12,11 +13,14 @@ namespace aslio::plugins {
 
 /// Registration of lines and planes in two steps (LOAM, Zhang and Singh 2014): the clearest points against the last
 /// sweep, then all points against the map; directions that the matches do not hold keep what they were before. Points
-/// are de-skewed by a motion that goes on as it did (docs/equations.md SWP-1 to SWP-3). Those without a class count as
-/// planes. LiDAR only.
+/// are de-skewed by the IMU, or by a motion that goes on as it did (docs/equations.md SWP-1 to SWP-3). Those without a
+/// class count as planes. With the IMU, velocity and biases are learnt from the poses that were found.
 class ScanMatcher final : public Estimator {
  public:
+  enum class Prediction : std::uint8_t { constant_velocity, imu };
+
   struct Params {
+    Prediction prediction = Prediction::imu;
     std::int64_t sweep_searches = 2;
     std::int64_t map_searches = 2;
     std::int64_t max_steps = 4;
@@ -28,6 +32,7 @@ class ScanMatcher final : public Estimator {
     double degenerate_eigenvalue = 100.0;
     double sweep_distance = 5.0;
     std::int64_t sweep_lines = 2;
+    ImuTrack::Params imu;
     config::Nested<Residual> lines{"point_to_line"};
     config::Nested<Residual> planes{"point_to_plane"};
   };
@@ -35,7 +40,7 @@ class ScanMatcher final : public Estimator {
   /// Throws ConfigError when a residual takes surfaces from the map.
   ScanMatcher(const Params& params, const BuildContext& context);
 
-  bool uses_imu() const override { return false; }
+  bool uses_imu() const override { return params_.prediction == Prediction::imu; }
   bool uses_history() const override { return false; }
   void reset(const InitialState& initial) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
@@ -60,7 +65,7 @@ class ScanMatcher final : public Estimator {
   enum class Step : std::uint8_t { refused, moved, small };
 
   NavState predicted(TimeNs t) const;
-  void propagate(TimeNs end);
+  void propagate(const Window& window);
   void load(const Window& window, const StepContext& context);
   void list_clearest(Kind& kind);
   bool match_last_sweep();
@@ -76,6 +81,7 @@ class ScanMatcher final : public Estimator {
 
   Params params_;
   exec::Executor& exec_;
+  ImuTrack imu_;
   Kind lines_, planes_;
 
   NavState state_;

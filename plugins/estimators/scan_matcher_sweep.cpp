@@ -22,15 +22,19 @@ std::unique_ptr<Residual> fitted(const config::Nested<Residual>& nested, const c
 ScanMatcher::ScanMatcher(const Params& params, const BuildContext& context)
     : params_(params),
       exec_(context.exec),
+      imu_(params.imu, context),
       lines_(fitted(params.lines, "lines", context), feature_class::line,
              {params.sweep_distance, static_cast<int>(params.sweep_lines)}),
       planes_(fitted(params.planes, "planes", context), feature_class::plane,
               {params.sweep_distance, static_cast<int>(params.sweep_lines)}),
       frame_(context.sensor) {
-  trajectory_.reserve(1);
+  trajectory_.reserve(64);
 }
 
 void ScanMatcher::describe(config::Binder& b, Params& p) {
+  using Noise = ImuNoisePreset::Kind;
+  b.choice("prediction", p.prediction, {{"constant_velocity", Prediction::constant_velocity}, {"imu", Prediction::imu}},
+           "where the first guess comes from: the motion goes on as before, and no IMU data is read; or the IMU");
   b.integer("sweep_searches", p.sweep_searches, "", {.min = 0, .max = 100},
             "searches of the clearest points in the last sweep (0: the map alone)");
   b.integer("map_searches", p.map_searches, "", {.min = 1, .max = 100}, "searches of all points in the map");
@@ -49,6 +53,10 @@ void ScanMatcher::describe(config::Binder& b, Params& p) {
          "a point of the last sweep farther than this is no match");
   b.integer("sweep_lines", p.sweep_lines, "", {.min = 1, .max = 255},
             "how many scan lines away the other points of a line or plane of the last sweep may be");
+  b.choice("noise", p.imu.noise.kind,
+           {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
+           "prediction: imu: IMU noise, as of ieskf");
+  b.stage("motion", p.imu.motion, "prediction: imu: pose and covariance between updates");
   b.stage("lines", p.lines, "what a match of a point on an edge measures");
   b.stage("planes", p.planes, "what a match of a point on a plane measures");
 }

@@ -209,4 +209,23 @@ TEST_CASE("faster_lio does as well as the published program and costs half of it
 
 TEST_CASE("point_lio does as well as the published program and costs half of it") { check_published(kPointLio); }
 
+TEST_CASE("loam and lio_sam stay within 5 cm of FAST-LIO2 on the KITTI drive, with one thread as with two") {
+  for (const char* pipeline : {"loam", "lio_sam"}) {
+    INFO(pipeline);
+    const RecordedRun drive = run_on_kitti(pipeline);
+    CHECK(drive.summary.status == pipeline::RunStatus::ok);
+    CHECK(drive.ate_m() <= 0.05);
+    CHECK(run_on_kitti(pipeline, 2).trajectory_sha256 == drive.trajectory_sha256);
+  }
+}
+
+TEST_CASE("loam and lio_sam stay whole on the corridor") {
+  for (const auto& [pipeline, ate_m] : {std::pair{"loam", 0.6}, std::pair{"lio_sam", 0.4}}) {
+    INFO(pipeline);
+    const RecordedRun run = run_on_avia(pipeline);
+    check_whole(run);
+    CHECK(run.ate_m() <= ate_m);
+  }
+}
+
 }  // namespace aslio::test

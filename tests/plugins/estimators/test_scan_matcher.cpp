@@ -64,7 +64,8 @@ class RingWindow {
 
 /// A filter whose map grows with what it has seen.
 struct Matcher {
-  explicit Matcher(const std::string& keys = "") : filter({"estimator={type: scan_matcher" + keys + "}"}) {
+  explicit Matcher(const std::string& keys = "")
+      : filter({"estimator={type: scan_matcher, prediction: constant_velocity" + keys + "}"}) {
     filter.map = make_stage<Map>(built_in_stages(),
                                  "{type: feature_maps, lines: {type: voxel_hash, min_spacing: 0.05}, "
                                  "planes: {type: voxel_hash, min_spacing: 0.1}}",

@@ -1,0 +1,70 @@
+// A registration with a smoother behind it: velocity and biases come from the smoother, and what is no state of a
+// vehicle starts it anew.
+#include <catch2/catch.hpp>
+
+#include "aslio/core/errors.hpp"
+#include "plugins/estimators/room_filter.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+
+namespace {
+
+constexpr TimeNs kTenth = kSecond / 10;
+
+std::string smoother(const std::string& keys) { return "estimator={type: fixed_lag_smoother" + keys + "}"; }
+
+}  // namespace
+
+TEST_CASE("fixed_lag_smoother: velocity and the bias of the gyro come from poses and the IMU between them") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.4), .drift = Vec3(0.4, 0.2, 0)};
+  Filter filter({smoother(", sigma_rotation: 0.005, sigma_position: 0.01")}, 3.0);
+  filter.build_map(1);
+  const Vec3 bias(0.02, -0.01, 0.015);
+  double first_turn = 0, last_turn = 0;
+  for (std::uint32_t k = 0; k < 40; ++k) {
+    const TimeNs end = kRoomEpoch + (k + 1) * kTenth;
+    RoomWindow room(end - kTenth, kTenth, motion, k + 2);
+    for (ImuSample& sample : room.imu) sample.gyro += bias;
+    const Update& update = filter.update(room);
+    REQUIRE(update.accepted);
+    const double off = log_so3(update.prior.R.transpose() * motion.at(end).R).norm();
+    (k == 0 ? first_turn : last_turn) = off;
+    CHECK((update.state.p - motion.at(end).p).norm() < 0.03);
+  }
+  const NavState& found = filter.estimator->state();
+  CHECK((found.b_w - bias).norm() < 0.6 * bias.norm());  // slowly: initialisation vouches for 1e-3 rad/s
+  CHECK((found.v - motion.drift).norm() < 0.1);
+  CHECK(first_turn > 0.002);  // 0.027 rad/s over 0.1 s
+  CHECK(last_turn < 0.9 * first_turn);
+}
+
+TEST_CASE("fixed_lag_smoother: a state that no vehicle has starts it anew") {
+  const TurningRoom motion{.drift = Vec3(0.4, 0.2, 0)};
+  Filter filter({smoother(", max_speed: 0.2")}, 3.0);
+  filter.build_map(1);
+  for (std::uint32_t k = 0; k < 10; ++k) {
+    const TimeNs end = kRoomEpoch + (k + 1) * kTenth;
+    const Update& update = filter.update(RoomWindow(end - kTenth, kTenth, motion, k + 2));
+    REQUIRE(update.accepted);
+    CHECK(update.state.v.norm() <= 0.2);
+    CHECK((update.state.p - motion.at(end).p).norm() < 0.03);  // the registration goes on
+    CHECK(update.P.allFinite());
+  }
+}
+
+TEST_CASE("fixed_lag_smoother predicts with what it has found") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.4), .drift = Vec3(0.4, 0.2, 0)};
+  Filter filter({smoother("")}, 3.0);
+  filter.build_map(1);
+  for (std::uint32_t k = 0; k < 10; ++k) filter.update(RoomWindow(kRoomEpoch + k * kTenth, kTenth, motion, k + 2));
+  const RoomWindow next(kRoomEpoch + 10 * kTenth, kTenth, motion, 12);
+  const NavState ahead = filter.estimator->predict(next.imu);
+  CHECK(ahead.t == next.window.plan.end);
+  CHECK((ahead.p - filter.update(next).prior.p).norm() < 1e-9);
+}
+
+TEST_CASE("fixed_lag_smoother refuses a front without IMU") {
+  CHECK_THROWS_AS(Filter({smoother(", front: {type: icp}")}), ConfigError);
+  CHECK_THROWS_AS(Filter({smoother(", front: {type: scan_matcher, prediction: constant_velocity}")}), ConfigError);
+}
