@@ -38,11 +38,11 @@ void Preintegration::step(const ImuSample& from, const ImuSample& to, const Iner
   covariance.diagonal().segment<3>(3).array() += noise.integration * noise.integration * dt;
 
   // eq. PRE-2
-  const Mat3 gained_bw = gain_theta * dR_bw + gain_gyro, gained_ba = gain_acc;
+  const Mat3 gained_bw = gain_theta * dR_bw + gain_gyro;
   dp_bw += dt * dv_bw + 0.5 * dt * gained_bw;
-  dp_ba += dt * dv_ba + 0.5 * dt * gained_ba;
+  dp_ba += dt * dv_ba + 0.5 * dt * gain_acc;
   dv_bw += gained_bw;
-  dv_ba += gained_ba;
+  dv_ba += gain_acc;
   dR_bw = (turn * dR_bw - J).eval();
 
   // eq. PRE-1
