@@ -124,6 +124,7 @@ TEST_CASE("a run that goes wrong in any way is a row with its reason, and the st
       {"garbage", "failed: its summary.json is none (exit code 0)"},
       {"unknown", "failed: its summary.json has the unknown status 'splendid'"},
       {"liar", "failed: its summary.json says ok, its exit code is 1"},
+      {"unmeasured", "failed: it could not be measured: truth.tum:3: no number"},
       {"mute", "failed: exit code 1 without a complaint"},
       {"forks", "ok: "},
       {"good", "ok: "}};
@@ -135,14 +136,14 @@ TEST_CASE("a run that goes wrong in any way is a row with its reason, and the st
   const StudyResult result = run_study(study, options(files.folder / "out"), monitor);
   INFO(monitor.lines);
   REQUIRE(result.rows.size() == expected.size());
-  CHECK(result.failures() == 8);
+  CHECK(result.failures() == 9);
   for (std::size_t i = 0; i < expected.size(); ++i) {
     INFO(expected[i].first);
     REQUIRE(result.rows[i].has_value());
     CHECK(result.rows[i]->outcome.status + ": " + result.rows[i]->outcome.reason == expected[i].second);
   }
-  CHECK_THAT(content(files.folder / "out/table.md"),
-             Contains("| scene_a | x | x | x | x | x | x | x | x | 0.") && Contains("| scene_a_1 | liar | failed |"));
+  CHECK_THAT(content(files.folder / "out/table.md"), Contains("| scene_a | x | x | x | x | x | x | x | x | x | 0.") &&
+                                                         Contains("| scene_a_1 | liar | failed |"));
   // Nothing that a run has started outlives it.
   const pid_t left = std::stoi(content(files.folder / "out/runs/scene_a_1/forks/left_behind.txt"));
   for (int i = 0; i < 200 && ::kill(left, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -183,6 +184,26 @@ TEST_CASE("what a killed study has finished is not repeated") {
   REQUIRE(finished.size() >= 3);
   REQUIRE(run_apart(study, options(files.folder / "out")) == 0);
   for (const auto& [path, time] : finished) CHECK(fs::last_write_time(path) == time);
+}
+
+TEST_CASE("a finished run whose summary is lost or torn is made again") {
+  const StudyFiles files;
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods({"torn", "lost", "whole"}) +
+                                 "metrics: [ate_m]\n");
+  const fs::path output = files.folder / "out", runs = output / "runs/scene_a_1";
+  Quiet monitor;
+  REQUIRE(run_study(study, options(output), monitor).failures() == 0);
+  const auto before = tables(output);
+  write_text(runs / "torn/summary.json", "");
+  fs::remove(runs / "lost/summary.json");
+  const auto left = rows_so_far(study, plan_runs(study, "program", fs::absolute(output) / "runs"), output);
+  CHECK_FALSE(left[0].has_value());
+  CHECK_FALSE(left[1].has_value());
+  CHECK(left[2].has_value());
+  monitor.lines.clear();
+  CHECK(run_study(study, options(output), monitor).failures() == 0);
+  CHECK_THAT(monitor.lines, Contains("scene_a_1/torn: ok") && Contains("scene_a_1/lost: ok") && !Contains("/whole"));
+  CHECK(tables(output) == before);
 }
 
 TEST_CASE("the tables of one job are those of four") {

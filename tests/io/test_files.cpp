@@ -1,6 +1,8 @@
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <fstream>
 #include <random>
 
@@ -8,6 +10,21 @@
 #include "aslio/io/cloud_file.hpp"
 #include "aslio/io/writers.hpp"
 #include "io/bag_fixture.hpp"
+
+namespace {
+
+int synced = 0;
+bool sync_fails = false;
+
+}  // namespace
+
+/// Stands before that of the C library: what is asked to be on the disk, and a disk that says no.
+extern "C" int fsync(int file) {
+  ++synced;
+  if (!sync_fails) return static_cast<int>(::syscall(SYS_fsync, file));
+  errno = EIO;
+  return -1;
+}
 
 namespace aslio::io::test {
 namespace {
@@ -41,6 +58,27 @@ TEST_CASE("a file stands under its name only once it is whole") {
   file.close();
   CHECK(text_of(folder / "a.txt") == "1234 and the rest.");
   CHECK(entries(folder.path()) == 1);
+}
+
+TEST_CASE("a file that tells that others are whole is on the disk before it has its name") {
+  const TemporaryFolder folder;
+  AtomicFile file(folder / "a.txt");
+  file.write("whole");
+  const int before = synced;
+  file.close_durably();
+  CHECK(synced == before + 1);
+  CHECK(text_of(folder / "a.txt") == "whole");
+  sync_fails = true;
+  const auto write = [&] {
+    AtomicFile torn(folder / "b.txt");
+    torn.write("not on the disk");
+    torn.close_durably();
+  };
+  CHECK(contains(data_error(write), "b.txt: cannot write"));
+  sync_fails = false;
+  CHECK(entries(folder.path()) == 1);
+  AtomicFile device("/dev/null");
+  CHECK_NOTHROW(device.close_durably());
 }
 
 TEST_CASE("a full disk and an unwritable folder are errors that name the path") {

@@ -185,7 +185,7 @@ void remove_stale(const RunOptions& options) {
 void write_file(const std::filesystem::path& path, const std::string& text) {
   io::AtomicFile file(path);
   file.write(text);
-  file.close();
+  file.close_durably();
 }
 
 }  // namespace aslio::experiment

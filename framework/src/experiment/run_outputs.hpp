@@ -53,7 +53,7 @@ std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const Sensor
 /// Removes the results of an earlier run, whatever becomes of this one; maps have names of their own and stay.
 void remove_stale(const RunOptions& options);
 
-/// A whole small file.
+/// A whole small file, on the disk before it has its name.
 void write_file(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace aslio::experiment

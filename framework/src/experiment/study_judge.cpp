@@ -41,7 +41,11 @@ StudyOutcome judge_exit(const ChildEnd& end, const fs::path& folder, const fs::p
     return failed(fmt::format("its summary.json has the unknown status '{}'", summary->status));
   }
   const bool good = summary->status == "ok" || summary->status == "degraded";
-  if (good && end.code != 0 && end.code != kBadDataExit) {
+  if (good && end.code == kBadDataExit) {
+    // It ran, and there is nothing to compare it by.
+    return failed("it could not be measured: " + (summary->reason.empty() ? exit_text(end, log) : summary->reason));
+  }
+  if (good && end.code != 0) {
     return failed(fmt::format("its summary.json says {}, its exit code is {}", summary->status, end.code));
   }
   StudyOutcome outcome = *summary;

@@ -80,7 +80,7 @@ void write_outcome(const fs::path& folder, const std::string& key, const StudyOu
                      {"final", outcome.final}};
   io::AtomicFile file(folder / kKeyFile);
   file.write(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-  file.close();
+  file.close_durably();
 }
 
 std::optional<StudyOutcome> read_outcome(const fs::path& folder, const std::string& key) {
@@ -92,6 +92,7 @@ std::optional<StudyOutcome> read_outcome(const fs::path& folder, const std::stri
                              .wall_s = number_of(*json, "wall_s").value_or(0),
                              .final = final != json->end() && final->is_boolean() && final->get<bool>()};
   if (outcome.status.empty()) return std::nullopt;
+  if (outcome.final && !read_json(folder / "summary.json")) return std::nullopt;
   return outcome;
 }
 

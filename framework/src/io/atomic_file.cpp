@@ -73,11 +73,18 @@ void AtomicFile::patch(std::uint64_t offset, std::string_view text) {
   if (std::fseek(file_, 0, SEEK_END) != 0) fail(path_, "cannot seek", errno);
 }
 
-void AtomicFile::close() {
+void AtomicFile::close() { close(false); }
+
+void AtomicFile::close_durably() { close(true); }
+
+void AtomicFile::close(bool durably) {
   if (file_ == nullptr) return;
   // Delayed write errors surface in either call.
   const bool flushed = std::fflush(file_) == 0;
   int error = flushed ? 0 : errno;
+  // A device has nothing to be brought to a disk. After a loss of power, a renamed file may be there without its
+  // content.
+  if (durably && flushed && !temporary_.empty() && ::fsync(::fileno(file_)) != 0) error = errno;
   if (std::fclose(file_) != 0 && error == 0) error = errno;
   file_ = nullptr;
   if (error == 0 && !temporary_.empty() && ::rename(temporary_.c_str(), path_.c_str()) != 0) error = errno;

@@ -35,7 +35,8 @@ bool failed_late(std::string_view status, const std::optional<double>& failed_at
 
 /// Writes `run_key.json`, the mark of a finished run.
 void write_outcome(const std::filesystem::path& folder, const std::string& key, const StudyOutcome& outcome);
-/// Of a run folder that was finished under this key, or (empty) under any; nothing otherwise.
+/// Of a run folder that was finished under this key, or (empty) under any; nothing otherwise, nor where the outcome is
+/// that of a summary that cannot be read any more.
 std::optional<StudyOutcome> read_outcome(const std::filesystem::path& folder, const std::string& key);
 
 /// Status and reason of summary.json; nothing when there is none, or none that can be read.

@@ -28,9 +28,13 @@ class AtomicFile {
   /// Overwrites earlier bytes (headers whose counts are known at the end).
   void patch(std::uint64_t offset, std::string_view text);
   void close();
+  /// The same, once its content is on the disk: for a file that tells that others are whole.
+  void close_durably();
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  void close(bool durably);
+
   std::filesystem::path path_, temporary_;
   std::FILE* file_ = nullptr;
   std::uint64_t written_ = 0;
