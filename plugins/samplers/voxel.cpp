@@ -23,8 +23,10 @@ void clear(TapMask& taps, TapMask bits) { taps = static_cast<TapMask>(taps & ~bi
 
 void VoxelSampler::describe(config::Binder& b, Params& p) {
   b.real("leaf", p.leaf, "m", {.min = 0.01, .max = 100.0}, "edge of a cube");
-  b.choice("keep", p.keep, {{"centre", Keep::centre}, {"first", Keep::first}},
-           "which point of a cube stays: the nearest to its centre, or the first in time");
+  b.choice(
+      "keep", p.keep, {{"centre", Keep::centre}, {"first", Keep::first}, {"mean", Keep::mean}},
+      "which point of a cube stays: the nearest to its centre, the first in time, or the nearest moved to the mean of "
+      "all (not where an estimator takes points as measured)");
   b.choice("of", p.of, {{"all", Of::all}, {"line", Of::line}, {"plane", Of::plane}},
            "which points are thinned: all, or those that a sampler has classed as lines, or planes");
   describe_taps(b, p.taps);
@@ -47,7 +49,7 @@ void VoxelSampler::sample(SampleBatch& batch) {
   }
   if (any == 0) return;
   // Usually every point left has the same taps and one competition decides for all of them.
-  if (any == all) return compete(batch, any);
+  if (any == all || keep_ == Keep::mean) return compete(batch, any);
   for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
     if ((any & mask(tap)) != 0) compete(batch, mask(tap));
   }
@@ -90,15 +92,31 @@ void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
     std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15ULL) >> shift_;
     while (slots_[at].pass == pass_ && slots_[at].key != key) at = (at + 1) & last;
     Slot& slot = slots_[at];
-    if (slot.pass != pass_) {
-      slot = {key, pass_, static_cast<std::uint32_t>(i), squared};
-    } else if (squared < slot.squared) {
+    if (slot.pass != pass_) slot = {key, pass_, static_cast<std::uint32_t>(i), squared};
+    slot.points += 1.0f;
+    slot.sum += Eigen::Vector3f(dx, dy, dz);
+    if (slot.holder == i) continue;
+    if (squared < slot.squared) {
       clear(batch.taps[slot.holder], taps);
       slot.holder = static_cast<std::uint32_t>(i);
       slot.squared = squared;
     } else {
       clear(batch.taps[i], taps);
     }
+  }
+  if (keep_ == Keep::mean) move_to_means(batch);
+}
+
+void VoxelSampler::move_to_means(SampleBatch& batch) const {
+  const std::size_t slots = std::size_t{1} << (64 - shift_);
+  for (std::size_t at = 0; at < slots; ++at) {
+    const Slot& slot = slots_[at];
+    if (slot.pass != pass_) continue;
+    Eigen::Vector3f& p = batch.body[slot.holder];
+    const Eigen::Vector3f q = p * leaves_per_metre_;
+    const Eigen::Vector3f own(from_centre(q.x(), floor_to_int(q.x())), from_centre(q.y(), floor_to_int(q.y())),
+                              from_centre(q.z(), floor_to_int(q.z())));
+    p += (slot.sum / slot.points - own) / leaves_per_metre_;
   }
 }
 

@@ -15,7 +15,8 @@ class VoxelSampler final : public Sampler {
   /// Which point of a cube stays.
   enum class Keep : std::uint8_t {
     centre,  ///< the one nearest to the centre of the cube; of equal ones the first
-    first    ///< the first in time
+    first,   ///< the first in time
+    mean     ///< the one nearest to the centre, moved to the mean of all points of the cube
   };
 
   /// Which points are thinned.
@@ -33,8 +34,8 @@ class VoxelSampler final : public Sampler {
 
   ActsOn acts_on() const override { return ActsOn::body; }
   /// Points compete within a cube, for each tap among those that still have it. Cubes are aligned to the body frame
-  /// at the end of the window. One of the clearest of its class yields to none but such. Points that are not finite, or
-  /// 2^20 cubes away, lose the taps.
+  /// at the end of the window. With `mean` they compete once, for all taps. One of the clearest of its class yields to
+  /// none but such. Points that are not finite, or 2^20 cubes away, lose the taps.
   void sample(SampleBatch& batch) override;
 
  private:
@@ -43,10 +44,13 @@ class VoxelSampler final : public Sampler {
     std::uint64_t key = 0;
     std::uint32_t pass = 0;
     std::uint32_t holder = 0;
-    float squared = 0;  ///< distance of the holder from the centre of the cube, in leaves^2
+    float squared = 0;                              ///< distance of the holder from the centre of the cube, in leaves^2
+    float points = 0;                               ///< of the cube
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();  ///< of their distances from the centre of the cube, in leaves
   };
 
   void compete(SampleBatch& batch, TapMask taps);
+  void move_to_means(SampleBatch& batch) const;
   void start_pass(std::size_t points);
   bool concerns(const SampleBatch& batch, std::size_t i) const;
 

@@ -75,6 +75,37 @@ TEST_CASE("voxel keeps the point nearest to the centre of its cube, and of equal
   CHECK(batch.taps == std::vector<TapMask>{without_map, kAllTaps, without_map, without_map});
 }
 
+TEST_CASE("voxel moves the point that it keeps to the mean of its cube") {
+  test::BuildEnvironment environment;
+  VoxelSampler sampler({.leaf = 1.0, .keep = VoxelSampler::Keep::mean, .taps = {"map", "match"}},
+                       environment.context());
+  test::Batch batch = test::random_batch(3000, 4, 5.0f, false);
+  const std::vector<Eigen::Vector3f> before = batch.body;
+  std::map<std::array<int, 3>, std::pair<Vec3, int>> cubes;
+  const auto cube_of = [](const Eigen::Vector3f& p) {
+    return std::array<int, 3>{static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
+                              static_cast<int>(std::floor(p.z()))};
+  };
+  for (const Eigen::Vector3f& p : before) {
+    auto& [sum, points] = cubes.try_emplace(cube_of(p), Vec3::Zero(), 0).first->second;
+    sum += p.cast<double>();
+    ++points;
+  }
+  SampleBatch view = batch.view();
+  sampler.sample(view);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if ((batch.taps[i] & mask(Tap::match)) == 0) {
+      CHECK(batch.body[i] == before[i]);
+      continue;
+    }
+    ++kept;
+    const auto& [sum, points] = cubes.at(cube_of(before[i]));
+    CHECK((batch.body[i].cast<double>() - sum / points).norm() < 1e-5);
+  }
+  CHECK(kept == cubes.size());
+}
+
 TEST_CASE("voxel does not merge the cubes around the origin") {
   test::BuildEnvironment environment;
   VoxelSampler sampler({.leaf = 1.0, .taps = {"map"}}, environment.context());

@@ -12,10 +12,11 @@ namespace aslio {
 
 /// Points of one update as the chain sees them. `taps[i]` says who still wants point i; a sampler clears bits, never
 /// sets them. `body` is empty before de-skew; afterwards body[i] is p_I at the end of the window, and only points with
-/// a bit left are there: `raw` and `taps` are compacted with it.
+/// a bit left are there: `raw` and `taps` are compacted with it. A body sampler may move a point that it keeps, to the
+/// mean of those that it stands for; estimators that take points as measured do not see that.
 struct SampleBatch {
   std::span<const TimedPoint> raw;
-  std::span<const Eigen::Vector3f> body;
+  std::span<Eigen::Vector3f> body;
   std::span<TapMask> taps;
   /// feature_class of every point, which a body sampler may set. Empty before de-skew, and where nobody keeps them.
   std::span<std::uint8_t> features = {};
