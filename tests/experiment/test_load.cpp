@@ -227,6 +227,12 @@ TEST_CASE("a comparison may differ in what the study names, and in nothing else"
                               Contains("or say so: differs: [") && Contains("history"));
     CHECK((complaint.find("window") == std::string::npos) == (*stated != '\0'));
   }
+  // A key inside a block does not name the other type of the block; the block and its type do.
+  CHECK_THAT(files.complaint(fixed + method("other", "as_lio", "set: {window.seg_step: 0.05}, differs: [history]")),
+             Contains("or say so: differs: [window]"));
+  CHECK_THAT(files.complaint(fixed + method("other", "as_lio", "differs: [window.seg_step, history.type]")),
+             Contains("or say so: differs: [window]"));
+  CHECK(files.complaint(fixed + method("other", "as_lio", "differs: [window.type, history.type]")).empty());
   // Stated in full, by the method or for all of them.
   const std::string all = "differs: [window, history]";
   const Study stated = files.load(fixed + method("other", "as_lio", all));

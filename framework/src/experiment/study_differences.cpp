@@ -12,10 +12,10 @@ bool within(const std::string& path, const std::string& block) {
   return path.starts_with(block) && (path.size() == block.size() || path[block.size()] == '.');
 }
 
-/// A key names what lies below it, and a change of the block that it lies in.
+/// A key names what lies below it; the type of a block names the change of the block that comes with it.
 bool names(const std::vector<std::string>& keys, const std::string& path) {
   return std::any_of(keys.begin(), keys.end(),
-                     [&](const std::string& key) { return within(path, key) || within(key, path); });
+                     [&](const std::string& key) { return within(path, key) || key == path + ".type"; });
 }
 
 void append_keys(const StudyMethod& method, std::vector<std::string>& keys) {
