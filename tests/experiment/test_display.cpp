@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "aslio/study_display.hpp"
+#include "study_files.hpp"
 
 using aslio::cli::display_text;
 
@@ -20,4 +21,34 @@ TEST_CASE("the display of a study has its count, the time left, the failures and
   CHECK(display_text(progress, 12) == "[===========\n     1:01  q\n  1:00:00  q");
   progress.active.assign(20, {"q_1/as_lio", 1});
   CHECK(display_text(progress, 79).ends_with("q_1/as_lio\n           and 8 more"));
+}
+
+TEST_CASE("the medians of a study are aligned, a method to a line, with the marks of failures") {
+  using namespace aslio::experiment;
+  const aslio::test::StudyFiles files;
+  const Study study = files.load(aslio::test::head() +
+                                 "datasets: [{scene: scene_a.yaml, seeds: 1-3}, {scene: scene_b.yaml}]\nmethods:\n" +
+                                 aslio::test::method("one", "fixed_window") +
+                                 aslio::test::method("another", "fixed_window") + "metrics: [ate_m]\n");
+  const auto runs = plan_runs(study, "program");
+  REQUIRE(runs.size() == 8);
+  std::vector<std::optional<StudyRow>> rows(runs.size());
+  const auto put = [&](const std::string& data, std::size_t method, const std::string& status, double ate) {
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (study.data[runs[i].data].name != data || runs[i].method != method) continue;
+      StudyRow row;
+      row.outcome.status = status;
+      row.figures.emplace_back("ate_m", ate);
+      rows[i] = row;
+    }
+  };
+  put("scene_a_1", 0, "ok", 0.5);
+  put("scene_a_2", 0, "ok", 0.25);
+  put("scene_a_3", 0, "ok", 12.5);
+  put("scene_a_1", 1, "crashed", 0);
+  put("scene_b_1", 1, "diverged", 0);
+  CHECK(aslio::cli::medians_text(study, runs, rows) ==
+        "ate_m    scene_a  scene_b\n"
+        "one          0.5         \n"
+        "another        x        -\n");
 }

@@ -94,7 +94,10 @@ int report(const experiment::Study& study, StudyDisplay& display, const experime
     tell("warning: " + experiment::identical_text(study, same));
   }
   const bool tables = a.recording.empty();
-  if (!a.quiet && tables) print_expectation(study, result);
+  if (!a.quiet && tables) {
+    print(medians_text(study, result.runs, result.rows));
+    print_expectation(study, result);
+  }
   if (!a.quiet && tables)
     print(fmt::format("output       {}: results.csv, statistics.csv, table.md, runs, data\n", a.output));
   if (failures == 0) return kSuccess;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aslio/experiment/study_statistics.hpp"
 #include "console.hpp"
 #include "interrupt.hpp"
 
@@ -29,6 +30,14 @@ std::string duration(double seconds) {
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
+/// "0.0312", "x" or "-" where the median run has failed, nothing where none has ended.
+std::string median_text(const experiment::Replicates& replicates) {
+  const auto median = replicates.median();
+  if (!median) return "";
+  if (*median != experiment::kFailedFigure) return fmt::format("{:.4g}", *median);
+  return 2 * replicates.late > replicates.failed ? "-" : "x";
+}
+
 }  // namespace
 
 std::string display_text(const experiment::StudyProgress& p, std::size_t width) {
@@ -45,6 +54,31 @@ std::string display_text(const experiment::StudyProgress& p, std::size_t width) 
     add(fmt::format("  {:>7}  {}", duration(p.active[i].since_s), p.active[i].name));
   }
   if (p.active.size() > kMostShown) add(fmt::format("           and {} more", p.active.size() - kMostShown));
+  return text;
+}
+
+std::string medians_text(const experiment::Study& study, const std::vector<experiment::StudyRun>& runs,
+                         const std::vector<std::optional<experiment::StudyRow>>& rows) {
+  const experiment::StudyFigures figures(study, runs, rows);
+  const std::string& metric = study.config.metrics.front();
+  std::vector<std::vector<std::string>> lines = {{metric}};
+  for (const std::string& sequence : figures.sequences()) lines[0].push_back(sequence);
+  for (std::size_t m = 0; m < study.methods.size(); ++m) {
+    lines.push_back({study.methods[m].name});
+    for (std::size_t s = 0; s < figures.sequences().size(); ++s) {
+      lines.back().push_back(median_text(figures.replicates(s, m, metric)));
+    }
+  }
+  std::vector<std::size_t> widths(lines[0].size(), 0);
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    text += fmt::format("{:<{}}", line[0], widths[0]);
+    for (std::size_t i = 1; i < line.size(); ++i) text += fmt::format("  {:>{}}", line[i], widths[i]);
+    text += '\n';
+  }
   return text;
 }
 

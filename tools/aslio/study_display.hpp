@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "aslio/experiment/study_run.hpp"
 
@@ -9,6 +11,10 @@ namespace aslio::cli {
 
 /// Lines of the display, each at most `width` columns: a bar with count, time left and failures, then what is at work.
 std::string display_text(const experiment::StudyProgress& progress, std::size_t width);
+
+/// The first metric of a study: a line per method, medians over seeds by sequence, aligned. Marks as in table.md.
+std::string medians_text(const experiment::Study& study, const std::vector<experiment::StudyRun>& runs,
+                         const std::vector<std::optional<experiment::StudyRow>>& rows);
 
 /// Shows a study to the user: on a terminal what ends scrolls by above a display of what runs, elsewhere it is a line
 /// each.
