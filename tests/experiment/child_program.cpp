@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -36,6 +37,10 @@ bool put(const fs::path& path, const std::string& text) {
 
 int simulate(const fs::path& output) {
   pause_ms(10);
+  if (output.filename().string().find("broken") != std::string::npos) {
+    std::fputs("error: there is no way through\n", stderr);
+    return 3;
+  }
   for (const char* file : {"data.bag", "truth.tum", "overlap.csv", "scene.yaml", "preview.svg"}) {
     if (!put(output / file, std::string(3000, 's'))) return 3;
   }

@@ -1,6 +1,8 @@
 /// A study whose runs go wrong in every way, and one that is killed itself. The runs are those of child_program.cpp.
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -204,6 +206,87 @@ TEST_CASE("a finished run whose summary is lost or torn is made again") {
   CHECK(run_study(study, options(output), monitor).failures() == 0);
   CHECK_THAT(monitor.lines, Contains("scene_a_1/torn: ok") && Contains("scene_a_1/lost: ok") && !Contains("/whole"));
   CHECK(tables(output) == before);
+}
+
+TEST_CASE("the tables tell what is there from the first moment of a call") {
+  const StudyFiles files;
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods({"one", "hang"}));
+  const fs::path output = files.folder / "out";
+  StudyOptions earlier = options(output, 1);
+  earlier.only = "one";
+  REQUIRE(run_apart(study, earlier) == 0);
+  REQUIRE(line_count(output / "results.csv") == 2);
+  // Another program: none of these runs is one of its own.
+  StudyOptions other = options(output, 1);
+  other.program = "another program";
+  const fs::path one = output / "runs/scene_a_1/one/run_key.json";
+  const std::string mark = content(one);
+  REQUIRE(run_apart(study, other, [&] { return fs::exists(one) && content(one) != mark; }) == 256 + SIGKILL);
+  CHECK(line_count(output / "results.csv") == 1);
+  CHECK_THAT(content(output / "table.md"), Contains("0 of 2 runs."));
+}
+
+TEST_CASE("a simulation that fails leaves its reason to a call that waits for the recording") {
+  const StudyFiles files;
+  write_text(files.folder / "broken.yaml", "third\n");
+  const Study study = files.load(head() + "datasets: [{scene: broken.yaml}]\n" + methods({"one"}));
+  StudyOptions part = options(files.folder / "out");
+  part.recording = "broken_1";
+  REQUIRE(run_apart(study, part) == 1);
+  const auto runs = plan_runs(study, "program", fs::absolute(part.output) / "runs");
+  const auto rows = rows_so_far(study, runs, part.output);
+  REQUIRE(rows[0].has_value());
+  CHECK(rows[0]->outcome.status == "failed");
+  CHECK(rows[0]->outcome.reason == "simulation: there is no way through");
+  CHECK_FALSE(rows[0]->outcome.final);
+}
+
+TEST_CASE("a recording that another call is at work on is waited for, and what it has finished is taken over") {
+  const StudyFiles files;
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 1-3}]\n" + methods({"one", "two"}));
+  StudyOptions part = options(files.folder / "part");
+  part.recording = "scene_a_2";
+  REQUIRE(run_apart(study, part) == 0);
+  const fs::path output = files.folder / "out", theirs = output / "runs/scene_a_2";
+  fs::create_directories(theirs);
+
+  /// Finishes when it is waited for.
+  class Other final : public StudyMonitor {
+   public:
+    Other(fs::path from, fs::path to) : from_(std::move(from)), to_(std::move(to)) {
+      lock_ = ::open(to_.c_str(), O_RDONLY | O_DIRECTORY);
+      locked = ::flock(lock_, LOCK_EX | LOCK_NB) == 0;
+    }
+    ~Other() override { ::close(lock_); }
+    Other(const Other&) = delete;
+    Other& operator=(const Other&) = delete;
+    void on_line(const std::string& line) override {
+      lines += line + "\n";
+      if (lines.find("[4/6]") == std::string::npos || done) return;
+      done = true;
+      untouched = !fs::exists(to_ / "one") && !fs::exists(to_ / "two");
+      fs::copy(from_ / "one", to_ / "one");
+      write_text(to_ / "one/theirs.txt", "yes");
+      ::flock(lock_, LOCK_UN);
+    }
+    bool stop_requested() override { return false; }
+    std::string lines;
+    bool locked = false, done = false, untouched = false;
+
+   private:
+    fs::path from_, to_;
+    int lock_ = -1;
+  } other(part.output / "runs/scene_a_2", theirs);
+  REQUIRE(other.locked);
+  const StudyResult result = run_study(study, options(output), other);
+  INFO(other.lines);
+  CHECK(other.done);
+  CHECK(other.untouched);
+  CHECK_THAT(other.lines, Contains("scene_a_2: another `aslio experiment` is at work on it; waiting"));
+  CHECK(result.failures() == 0);
+  CHECK(std::all_of(result.rows.begin(), result.rows.end(), [](const auto& row) { return row.has_value(); }));
+  CHECK(fs::exists(theirs / "one/theirs.txt"));
+  CHECK(fs::exists(theirs / "two/run_key.json"));
 }
 
 TEST_CASE("the tables of one job are those of four") {

@@ -6,11 +6,13 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_compare.hpp"
 #include "aslio/experiment/study_run.hpp"
+#include "aslio/experiment/study_slurm.hpp"
 #include "aslio/experiment/study_status.hpp"
 #include "study_files.hpp"
 
@@ -74,6 +76,30 @@ TEST_CASE("the status of a study tells what is finished, what runs and what wait
   CHECK_FALSE(after.at_work);
   CHECK(after.total.running == 0);
   CHECK(after.total.waiting == 10);
+}
+
+TEST_CASE("nobody is at work when the cluster has refused") {
+  const StudyFiles files;
+  const Study study = files.load(study_text({"one"}));
+  fs::create_directories(files.folder / "bin");
+  for (const auto& [name, code] : {std::pair("squeue", 0), std::pair("sbatch", 1)}) {
+    const fs::path program = fs::path(files.folder / "bin") / name;
+    write_text(program, "#!/bin/sh\necho invalid partition\nexit " + std::to_string(code) + "\n");
+    fs::permissions(program, fs::perms::owner_all);
+  }
+  std::string answer = "nothing";
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", (fs::path(files.folder / "bin").string() + ":" + path).c_str(), 1);
+  try {
+    Quiet monitor;
+    run_study_on_slurm(study, options(files.folder / "out"), SlurmOptions{}, monitor);
+  } catch (const aslio::ConfigError& error) {
+    answer = error.what();
+  }
+  ::setenv("PATH", path.c_str(), 1);
+  CHECK_THAT(answer, Contains("sbatch refuses: "));
+  CHECK(fs::exists(files.folder / "out/slurm"));
+  CHECK_FALSE(read_status(files.folder / "out").at_work);
 }
 
 TEST_CASE("folders of the same runs compare as equal, whatever the clock said") {

@@ -58,6 +58,18 @@ TEST_CASE("a study is read from what it left") {
   CHECK(study.runs[8].folder == fixture.folder.path() / "runs" / "loop_1" / kHostile);
 }
 
+TEST_CASE("a study that has just begun has a report without runs") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "results.csv", "data,sequence,seed,order_seed,method,status,reason\n");
+  write_text(folder.path() / "table.md", "# young\n\n**Question.** Which?\n\n0 of 12 runs. A cell is the median.\n");
+  const StudyFolder study = read_study_folder(folder.path());
+  CHECK(study.runs.empty());
+  CHECK(study.planned == 12);
+  CHECK_THAT(make_page(study, kBundle, {}), Contains("\"planned\":12") && Contains("\"runs\":[]"));
+  CHECK_THAT(to_markdown(study), Contains("0 of 12 runs"));
+  CHECK_NOTHROW(to_latex(study));
+}
+
 TEST_CASE("what is no study is refused with its place") {
   const TemporaryFolder folder;
   CHECK_THAT(problem(folder.path()), Contains("neither results.csv nor a run"));

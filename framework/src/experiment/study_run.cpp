@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kLook = 5;                    // between looks at the children [ms]
+constexpr double kAsk = 0.2;                // between tries for a recording that another call is at work on [s]
 constexpr double kShow = 0.2;               // between reports of progress [s]
 constexpr double kGrace = 10;               // for children to end after Ctrl-C [s]
 constexpr double kSimulationLimit = 86400;  // [s]
@@ -31,7 +32,7 @@ constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C it
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Folders that begin like this, of a study that was killed.
+/// Folders of this beginning and the id of a process, of a study that was killed.
 void remove_leftovers(const fs::path& folder, const std::string& begin) {
   std::error_code error;
   std::vector<fs::path> found;
@@ -69,14 +70,16 @@ class Schedule {
   }
 
   StudyResult run() {
+    write_tables();  // what is there already: those of an earlier call may be of other runs
     while (true) {
       if (!result_.interrupted && monitor_.stop_requested()) stop();
       reap();
+      if (blocked_ && seconds_since(asked_) > kAsk) changed_ = true;
       // Only what has ended makes room, or makes a run possible.
       while (changed_ && !result_.interrupted && active_.size() < static_cast<std::size_t>(options_.jobs)) {
         changed_ = start_next();
       }
-      if (active_.empty()) break;
+      if (active_.empty() && (!blocked_ || result_.interrupted)) break;
       show();
       ::poll(nullptr, 0, kLook);  // or until a signal comes
     }
@@ -89,8 +92,10 @@ class Schedule {
   enum class DataState : unsigned char { waiting, simulating, ready };
   struct DataProgress {
     DataState state = DataState::waiting;
-    fs::path dataset;      ///< for `aslio run --dataset`
-    std::size_t left = 0;  ///< runs that still need them
+    fs::path dataset;                ///< for `aslio run --dataset`
+    std::size_t left = 0;            ///< runs that still need them
+    std::optional<FolderLock> lock;  ///< of the folder of their runs
+    bool told = false;               ///< that another call has it
   };
   /// A child: a run, or the simulation of data.
   struct Active {
@@ -145,10 +150,43 @@ class Schedule {
         return true;
       }
     }
+    blocked_ = false;
     for (std::size_t d = 0; d < data_.size(); ++d) {
-      if (data_[d].state == DataState::waiting && data_[d].left > 0) return provide(d);
+      if (data_[d].state != DataState::waiting || data_[d].left == 0) continue;
+      if (take(d)) return data_[d].left == 0 || provide(d);
     }
     return false;
+  }
+
+  /// The runs over a recording are made by one call at a time: another may be at work on this one alone.
+  bool take(std::size_t d) {
+    DataProgress& data = data_[d];
+    if (!options_.recording.empty() || data.lock) return true;  // run_study() has locked it
+    const std::string& name = study_.data[d].name;
+    const fs::path folder = runs_folder_ / name;
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
+    data.lock = FolderLock::take(folder, true);
+    if (data.lock) {
+      adopt(d);
+      return true;
+    }
+    if (!data.told) monitor_.on_line(fmt::format("{}: another `aslio experiment` is at work on it; waiting", name));
+    data.told = blocked_ = true;
+    asked_ = Clock::now();
+    return false;
+  }
+
+  /// What another call has finished since this one looked.
+  void adopt(std::size_t d) {
+    for (std::size_t i = 0; i < result_.runs.size(); ++i) {
+      StudyRun& run = result_.runs[i];
+      if (run.data != d || states_[i] != RunState::waiting || !read_outcome(final_folder(i), {})) continue;
+      run.key = run_key(study_, result_.runs, run, options_.program, runs_folder_);
+      const auto outcome = read_outcome(final_folder(i), run.key);
+      if (outcome && outcome->final) close_run(i, read_row(final_folder(i), *outcome));
+    }
   }
 
   bool can_start(const StudyRun& run) const {
@@ -212,8 +250,19 @@ class Schedule {
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
       if (result_.runs[i].data != ended.data || states_[i] != RunState::waiting) continue;
       StudyOutcome outcome{.status = "failed", .reason = "simulation: " + reason, .wall_s = end.wall_s, .final = false};
+      leave_outcome(i, outcome);
       close_run(i, StudyRow{.outcome = std::move(outcome), .figures = {}});
     }
+  }
+
+  /// Of a run that could not begin: who asked for this recording alone reads it from its folder.
+  void leave_outcome(std::size_t i, const StudyOutcome& outcome) const {
+    const fs::path folder = final_folder(i);
+    std::error_code error;
+    fs::remove_all(folder, error);
+    fs::create_directories(folder, error);
+    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
+    write_outcome(folder, result_.runs[i].key, outcome);
   }
 
   fs::path final_folder(std::size_t i) const {
@@ -278,6 +327,7 @@ class Schedule {
     const std::size_t d = result_.runs[i].data;
     if (--data_[d].left > 0) return;
     store_.release(study_.data[d]);
+    data_[d].lock.reset();
     // Tables of many runs take a while: at most a hundredth of the time goes there.
     if (seconds_since(written_) > 100 * writing_s_) write_tables();
   }
@@ -337,7 +387,8 @@ class Schedule {
   std::vector<Active> active_;
   std::size_t total_ = 0, done_ = 0, failed_ = 0;  ///< runs of this call
   bool changed_ = true;                            ///< since the last look for something to start
-  Clock::time_point start_ = Clock::now(), stopped_, written_, shown_;
+  bool blocked_ = false;                           ///< another call is at work on what could be started
+  Clock::time_point start_ = Clock::now(), stopped_, written_, shown_, asked_;
   double writing_s_ = 0;  ///< the tables took so long last time
 };
 

@@ -34,6 +34,23 @@ std::string complaint(const fs::path& log) {
   return {};
 }
 
+/// Tells `aslio status` that somebody is at work. Gone at the end, also at that of an error, unless it is to be kept.
+class Mark {
+ public:
+  explicit Mark(fs::path path) : path_(std::move(path)) { std::ofstream(path_) << "for `aslio status`\n"; }
+  ~Mark() {
+    std::error_code ignored;
+    if (!kept_) fs::remove(path_, ignored);
+  }
+  Mark(const Mark&) = delete;
+  Mark& operator=(const Mark&) = delete;
+  void keep() { kept_ = true; }
+
+ private:
+  fs::path path_;
+  bool kept_ = false;
+};
+
 class Cluster {
  public:
   Cluster(const Study& study, const StudyOptions& options, const SlurmOptions& slurm, StudyMonitor& monitor)
@@ -54,14 +71,14 @@ class Cluster {
   }
 
   StudyResult run() {
+    write_study_tables(study_, result_.runs, result_.rows, options_.output);
     adopt();
     for (std::size_t d = 0; d < open_.size(); ++d) {
       const bool in_queue = std::any_of(tasks_.begin(), tasks_.end(), [&](const Task& t) { return t.data == d; });
       if (!open_[d].empty() && !in_queue) waiting_.push_back(d);
     }
     for (const std::size_t d : waiting_) forget(d);
-    const fs::path mark = options_.output / "slurm" / "waiting";
-    std::ofstream(mark) << "for `aslio status`\n";
+    Mark mark(options_.output / "slurm" / "waiting");
     while (!waiting_.empty() || !tasks_.empty()) {
       submit();
       if (!pause()) {
@@ -70,8 +87,8 @@ class Cluster {
       }
       look();
     }
-    std::error_code ignored;
-    if (!result_.interrupted) fs::remove(mark, ignored);
+    // The tasks go on by themselves.
+    if (result_.interrupted) mark.keep();
     write_study_tables(study_, result_.runs, result_.rows, options_.output);
     return std::move(result_);
   }

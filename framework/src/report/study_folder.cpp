@@ -104,7 +104,6 @@ void read_runs(StudyFolder& study, const fs::path& file, const std::string& text
     }
     study.runs.push_back(run_of(lines[i], header, study.folder, where));
   }
-  if (study.runs.empty()) throw DataError(fmt::format("{}: holds no run; run the study first", file.string()));
 }
 
 /// Cells of a line of a Markdown table.
@@ -265,6 +264,10 @@ StudyFolder read_study_folder(const fs::path& folder) {
     study = single_runs(folder);
   }
   read_texts(study);
+  // One that has just begun has a table of what is to come.
+  if (study.runs.empty() && !study.planned) {
+    throw DataError(fmt::format("{}: holds no run; run the study first", file.string()));
+  }
   read_statistics(study);
   return study;
 }

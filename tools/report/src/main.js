@@ -29,11 +29,12 @@ function start() {
   const study = new Study(JSON.parse(document.getElementById('study').textContent));
   const first = study.recordings.find((group) => group.runs.some((run) => run.series)) ?? study.recordings[0];
   const choice = new Choice({
-    metric: study.metrics[0] ?? study.tables[0]?.metric, hidden: new Set(), recording: first.key, focus: null, time: 0, logBoxes: false, theme: 0,
+    metric: study.metrics[0] ?? study.tables[0]?.metric, hidden: new Set(), recording: first?.key, focus: null, time: 0, logBoxes: false, theme: 0,
   });
   startTheme();
   onTheme(() => choice.set({theme: choice.get('theme') + 1}));
-  const sections = [
+  // A study that has just begun has no runs to show.
+  const sections = !study.runs.length ? [summarySection(study, choice)] : [
     summarySection(study, choice), tableSection(study, choice), explorerSection(study, choice, methodChips(study, choice)),
     chartsSection(study, choice), failureSection(study), configSection(study), manifestSection(study),
   ].filter(Boolean);

@@ -112,8 +112,10 @@ export function summarySection(study, choice) {
     const table = study.table(choice.get('metric'));
     place.replaceChildren(h('h3', null, `Standing by ${heading(table)}`), standingTable(study, choice.get('metric')));
   };
-  choice.on(['metric', 'theme'], draw);
-  draw();
+  if (study.tables.length) {
+    choice.on(['metric', 'theme'], draw);
+    draw();
+  }
   return section('study', study.name, null, questionCards(study), expectationCard(study), verdictCard(study), tiles(study), warnings(study), place);
 }
 
