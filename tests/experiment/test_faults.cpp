@@ -47,6 +47,16 @@ TEST_CASE("a method that does not finish is a row with its reason, and the study
   CHECK_THAT(table, Contains("| q_1 | lost | failed | ") && Contains("no_such_file.csv"));
   CHECK_THAT(table, Contains("| q | x | x | x | x | 0."));
 
+  // What was run stands in the folder of each, of the one that crashed, too.
+  for (const char* run : {"crash", "memory", "good"}) {
+    INFO(run);
+    const std::string manifest = content(folder / "out/runs/q_1" / run / "manifest.json");
+    CHECK_THAT(manifest, Contains("\"program\": \"") && Contains("\"load_average\": [") && Contains("\"seed\": 1") &&
+                             Contains("\"scale\": 0.2") && Contains("configs/scenes/quickstart.yaml") &&
+                             Contains("\"identity\": \"") && Contains(std::string("out/runs/q_1/") + run + "\"") &&
+                             !Contains(".partial-"));
+  }
+
   // What a machine may have caused is tried again, what the method did is not.
   std::vector<std::string> again = arguments(folder);
   again.push_back("--dry-run");

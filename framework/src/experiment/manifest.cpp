@@ -4,6 +4,8 @@
 #include <spdlog/version.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -42,7 +44,40 @@ Json file(const std::filesystem::path& path, const std::string& sha256) {
   return {{"path", path.string()}, {"sha256", sha256}};
 }
 
+/// All that makes the data of a study what they are; simulated data are gone when they have served.
+Json data_of(const StudyData& data) {
+  Json json = {{"name", data.name}, {"identity", data.identity}};
+  if (data.scene.empty()) {
+    json["dataset"] = data.dataset.string();
+    return json;
+  }
+  json["scene"] = data.scene.string();
+  json["seed"] = data.seed ? Json(*data.seed) : Json(nullptr);
+  json["scale"] = data.scale;
+  json["set"] = data.set;
+  return json;
+}
+
 }  // namespace
+
+std::array<double, 3> machine_load() {
+  std::array<double, 3> load{};
+  const int known = ::getloadavg(load.data(), 3);
+  for (int i = std::max(known, 0); i < 3; ++i) load[static_cast<std::size_t>(i)] = -1;
+  return load;
+}
+
+std::string study_manifest(const std::string& text, const StudyData& data, const std::vector<std::string>& command,
+                           const std::string& program) {
+  Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) {
+    json = {{"aslio", version()}, {"build", build()},   {"libraries", libraries()},
+            {"cpu", cpu_model()}, {"program", program}, {"load_average", machine_load()}};
+  }
+  json["command_line"] = command;
+  json["data"] = data_of(data);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 std::string to_json(const Manifest& manifest, const RunOptions& options) {
   Json plugins = Json::array();
@@ -64,9 +99,11 @@ std::string to_json(const Manifest& manifest, const RunOptions& options) {
                     {"dataset", options.dataset ? Json(options.dataset->string()) : Json(nullptr)},
                     {"seeds", {{"order", options.order_seed}}},
                     {"threads", options.threads},
+                    {"program", manifest.program_sha256},
                     {"build", build()},
                     {"libraries", libraries()},
-                    {"cpu", cpu_model()}};
+                    {"cpu", cpu_model()},
+                    {"load_average", manifest.load_average}};
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -96,6 +96,7 @@ Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
 /// Before the run: the digest of a large input takes a while, and must not count as CPU time of the method.
 Manifest identify(const RunOptions& options, const Prepared& prepared) {
   Manifest manifest;
+  manifest.program_sha256 = io::input_digest("/proc/self/exe");
   manifest.pipeline_sha256 = io::input_digest(options.pipeline);
   manifest.sensor_sha256 = io::input_digest(options.sensor);
   manifest.sensor_resolved = prepared.sensor.resolved;

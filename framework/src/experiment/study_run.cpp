@@ -8,10 +8,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_status.hpp"
+#include "manifest.hpp"
+#include "run_outputs.hpp"
 #include "study_judge.hpp"
 #include "study_process.hpp"
 #include "study_store.hpp"
@@ -40,6 +44,12 @@ void remove_leftovers(const fs::path& folder, const std::string& begin) {
     if (at->path().filename().string().starts_with(begin)) found.push_back(at->path());
   }
   for (const fs::path& leftover : found) fs::remove_all(leftover, error);
+}
+
+/// Empty when there is none.
+std::string read_text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 class Schedule {
@@ -103,6 +113,7 @@ class Schedule {
     std::size_t data = 0;
     fs::path folder, log;
     std::unique_ptr<ChildProcess> child;
+    std::vector<std::string> command = {};  ///< of a run, with its final folder
     Clock::time_point begun = Clock::now();
   };
 
@@ -298,6 +309,11 @@ class Schedule {
         {i, run.data, folder, log,
          std::make_unique<ChildProcess>(options_.executable, arguments, log,
                                         ChildProcess::Limits{study_.config.time_limit, study_.config.memory_limit})});
+    for (std::string& word : arguments) {
+      if (word.starts_with(folder.string())) word.replace(0, folder.string().size(), final_folder(i).string());
+    }
+    arguments.insert(arguments.begin(), "aslio");
+    active_.back().command = std::move(arguments);
   }
 
   void finish_run(const Active& ended, const ChildEnd& end) {
@@ -311,6 +327,9 @@ class Schedule {
       if (!result_.interrupted) stop();
       return;
     }
+    const fs::path manifest = ended.folder / "manifest.json";
+    write_file(manifest, study_manifest(read_text(manifest), study_.data[ended.data], ended.command,
+                                        options_.program.substr(0, options_.program.find('\n'))));
     write_outcome(ended.folder, result_.runs[i].key, outcome);
     const fs::path folder = final_folder(i);
     fs::remove_all(folder, error);
