@@ -137,6 +137,25 @@ TEST_CASE("what is wrong in a study is told with its place and a remedy") {
   }
 }
 
+TEST_CASE("names that would mix what belongs apart are refused") {
+  const StudyFiles files;
+  const std::string orders = head() + kData + "order_seeds: [0, 1]\nmethods:\n" + method("a", "fixed_window");
+  CHECK_THAT(files.complaint(orders + method("a_order_1", "as_lio")),
+             Contains("study.yaml:9:12") && Contains("'a_order_1' with order seed 0 and 'a' with order seed 1") &&
+                 Contains("folder 'a_order_1': name one of them otherwise"));
+  CHECK(files.complaint(orders + method("a_order_2", "as_lio")).empty());
+  const std::string one = "methods:\n" + method("a", "fixed_window");
+  const auto data = [&](const std::string& first, const std::string& second) {
+    return head() + "datasets: [{scene: scene_a.yaml, name: s}, {" + first + ", seeds: 2, name: s" + second + "}]\n" +
+           one;
+  };
+  for (const std::string& other : {data("scene: scene_b.yaml", ""), data("scene: scene_a.yaml", ", set: [a=1]")}) {
+    CHECK_THAT(files.complaint(other), Contains("study.yaml:5:") && Contains("differ in more than the seed") &&
+                                           Contains("both are called 's': give one of them another name"));
+  }
+  CHECK(files.complaint(data("scene: scene_a.yaml", "")).empty());
+}
+
 TEST_CASE("stages that do not fit each other, or a schedule that is not there, are told before anything runs") {
   const StudyFiles files;
   const auto complaint = [&](const std::string& set) {

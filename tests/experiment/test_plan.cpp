@@ -124,6 +124,28 @@ TEST_CASE("the key of a run goes with the content of the schedule that it replay
   CHECK(keys("{data}/oracle.csv")[1] != with[1]);
 }
 
+TEST_CASE("what a killed study left of a run goes, and what belongs to a run of a longer name stays") {
+  const StudyFiles files;
+  const Study study =
+      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("a", "fixed_window"));
+  StudyOptions options;
+  options.output = files.folder / "out";
+  options.program = "program";
+  options.executable = ASLIO_CHILD_PROGRAM;
+  const std::filesystem::path runs = options.output / "runs/scene_a_1", data = options.output / "simulated";
+  for (const auto& folder : {runs / ".a.partial-1", runs / ".a.partial-b.partial-1", data / ".partial-scene_a_1-0a-1",
+                             data / ".partial-scene_a_1-b-0a-1"}) {
+    std::filesystem::create_directories(folder);
+  }
+  options.recording = "scene_a_1";
+  Quiet monitor;
+  CHECK(run_study(study, options, monitor).failures() == 0);
+  CHECK_FALSE(std::filesystem::exists(runs / ".a.partial-1"));
+  CHECK(std::filesystem::exists(runs / ".a.partial-b.partial-1"));
+  CHECK_FALSE(std::filesystem::exists(data / ".partial-scene_a_1-0a-1"));
+  CHECK(std::filesystem::exists(data / ".partial-scene_a_1-b-0a-1"));
+}
+
 TEST_CASE("large outputs are part of the key") {
   const StudyFiles files;
   const std::string text = head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("fixed", "fixed_window");

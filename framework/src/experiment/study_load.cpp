@@ -82,6 +82,7 @@ class Reader {
     for (std::size_t i = 0; i < study_.config.datasets.size(); ++i) add_data(study_.config.datasets[i], i);
     require_distinct_data();
     lay_out_methods();
+    require_distinct_folders();
     find_baselines();
     check_rules();
     problems_.raise();
@@ -124,6 +125,7 @@ class Reader {
       data.name = data.sequence = config.name.empty() ? dataset.name : config.name;
       data.dataset = dataset.file;
       data.identity = recording_identity(dataset);
+      require_one_scene(data.sequence, "recording", index);
     } catch (const std::exception& error) {
       add_problems(place("datasets", index, "dataset"), "", error.what());
       return;
@@ -144,6 +146,7 @@ class Reader {
       add_problems(place("datasets", index, "scene"), "", error.what());
       return;
     }
+    require_one_scene(data.sequence, resolved, index);
     const auto seeds = reading_.seeds ? reading_.seeds : parse_seeds(config.seeds);
     for (const std::uint64_t seed : *seeds) {
       data.seed = seed;
@@ -160,6 +163,17 @@ class Reader {
     }
     data_entries_.push_back(index);
     study_.data.push_back(std::move(data));
+  }
+
+  /// Figures of one row of a table are replicates: one world, other seeds.
+  void require_one_scene(const std::string& sequence, const std::string& what, std::size_t index) {
+    const auto [other, is_new] = scenes_.emplace(sequence, std::pair(what, index));
+    if (is_new || other->second.first == what) return;
+    problems_.add(
+        place("datasets", index, "name"),
+        fmt::format("datasets.{} and datasets.{} differ in more than the seed, and both are called '{}': give "
+                    "one of them another name",
+                    other->second.second, index, sequence));
   }
 
   void require_distinct_data() {
@@ -233,6 +247,24 @@ class Reader {
       return;
     }
     if (resolve(method, index) && find_uses(method, index)) study_.methods.push_back(std::move(method));
+  }
+
+  /// `a` with order seed 1 and a method of the name `a_order_1` would overwrite each other.
+  void require_distinct_folders() {
+    std::map<std::string, std::pair<std::size_t, std::uint64_t>> first;  // method and order seed by folder
+    for (std::size_t m = 0; m < study_.methods.size(); ++m) {
+      for (const std::uint64_t seed : study_.order_seeds) {
+        const auto [other, is_new] = first.emplace(run_folder(study_.methods[m].name, seed), std::pair(m, seed));
+        if (is_new) continue;
+        problems_.add(
+            place("methods", study_.methods[m].entry, "name"),
+            fmt::format("'{}' with order seed {} and '{}' with order seed {} would both have the folder '{}': "
+                        "name one of them otherwise",
+                        study_.methods[m].name, seed, study_.methods[other->second.first].name, other->second.second,
+                        other->first));
+        return;
+      }
+    }
   }
 
   /// False: the pipeline with its overrides is wrong, which has been noted.
@@ -345,7 +377,8 @@ class Reader {
   Node root_;
   std::vector<std::vector<AxisPoint>> points_;  ///< by axis
   config::Problems problems_;
-  std::vector<std::size_t> data_entries_;  // by data: index in `datasets`
+  std::vector<std::size_t> data_entries_;                              // by data: index in `datasets`
+  std::map<std::string, std::pair<std::string, std::size_t>> scenes_;  ///< what is behind a sequence, and its entry
 };
 
 }  // namespace

@@ -16,10 +16,6 @@ namespace {
 
 constexpr const char* kData = "{data}";
 
-std::string folder_of(const StudyMethod& method, std::uint64_t order_seed) {
-  return order_seed == 0 ? method.name : fmt::format("{}_order_{}", method.name, order_seed);
-}
-
 /// `path` inside a double-quoted YAML text.
 std::string escaped(const std::filesystem::path& path) {
   std::string out;
@@ -57,6 +53,10 @@ bool matches(const std::string& glob, const std::string& text) { return ::fnmatc
 
 }  // namespace
 
+std::string run_folder(const std::string& method, std::uint64_t order_seed) {
+  return order_seed == 0 ? method : fmt::format("{}_order_{}", method, order_seed);
+}
+
 std::vector<std::string> paths_in(const std::string& resolved) {
   std::vector<std::string> paths;
   append_paths(config::parse_document(resolved, "resolved"), paths);
@@ -85,7 +85,7 @@ void append_runs(const Study& study, std::string_view program, const std::filesy
     const std::size_t first = runs.size();
     for (std::size_t m = 0; m < study.methods.size(); ++m) {
       StudyRun run{.data = data, .method = m, .order_seed = order_seed, .folder = {}, .key = {}, .uses = {}};
-      run.folder = folder_of(study.methods[m], order_seed);
+      run.folder = run_folder(study.methods[m].name, order_seed);
       for (const auto& [name, used] : study.methods[m].uses) run.uses.push_back(first + used);
       run.key = run_key(study, runs, run, program, runs_folder);
       runs.push_back(std::move(run));

@@ -41,7 +41,7 @@ void remove_leftovers(const fs::path& folder, const std::string& begin) {
   std::error_code error;
   std::vector<fs::path> found;
   for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
-    if (at->path().filename().string().starts_with(begin)) found.push_back(at->path());
+    if (is_leftover(at->path().filename().string(), begin)) found.push_back(at->path());
   }
   for (const fs::path& leftover : found) fs::remove_all(leftover, error);
 }

@@ -39,8 +39,10 @@ std::map<std::string, fs::file_time_type> begun_in(const fs::path& folder) {
   std::error_code error;
   for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
     const std::string name = at->path().filename().string();
-    const std::size_t end = name.find(kPartial);
-    if (name.front() != '.' || end == std::string::npos) continue;
+    const std::size_t end = name.rfind(kPartial);
+    if (name.front() != '.' || end == std::string::npos || !is_leftover(name, name.substr(0, end + kPartial.size()))) {
+      continue;
+    }
     const auto log = fs::last_write_time(at->path() / "log.txt", error);
     out.emplace(name.substr(1, end - 1), error ? fs::file_time_type::clock::now() : log);
     error.clear();

@@ -40,7 +40,24 @@ void create(const fs::path& folder) {
   if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
 }
 
+bool digits_only(std::string_view text, std::string_view digits) {
+  return !text.empty() && text.find_first_not_of(digits) == std::string_view::npos;
+}
+
+/// As partial() makes them, of one recording or (empty) of all.
+bool is_partial(std::string_view name, const std::string& recording) {
+  const std::size_t id = name.rfind('-'), identity = id == std::string_view::npos ? id : name.rfind('-', id - 1);
+  if (!name.starts_with(kPartial) || identity == std::string_view::npos) return false;
+  const bool ours = recording.empty() || name.substr(0, identity) == kPartial + recording;
+  return ours && digits_only(name.substr(id + 1), "0123456789") &&
+         digits_only(name.substr(identity + 1, id - identity - 1), "0123456789abcdef");
+}
+
 }  // namespace
+
+bool is_leftover(std::string_view name, std::string_view begin) {
+  return name.starts_with(begin) && digits_only(name.substr(begin.size()), "0123456789");
+}
 
 FolderLock::~FolderLock() {
   if (file_ >= 0) ::close(file_);
@@ -179,11 +196,10 @@ void StudyStore::keep_small_files(const StudyData& data, const fs::path& folder)
 }
 
 void StudyStore::remove_leftovers(const std::string& recording) const {
-  const std::string begin = recording.empty() ? std::string(kPartial) : kPartial + recording + "-";
   std::error_code error;
   std::vector<fs::path> found;
   for (auto at = fs::directory_iterator(root_, error); !error && at != fs::directory_iterator(); at.increment(error)) {
-    if (at->path().filename().string().starts_with(begin)) found.push_back(at->path());
+    if (is_partial(at->path().filename().string(), recording)) found.push_back(at->path());
   }
   for (const fs::path& folder : found) {
     const auto lock = FolderLock::take(folder, true);

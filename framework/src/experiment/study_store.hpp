@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "aslio/experiment/study.hpp"
 
@@ -31,6 +32,9 @@ class FolderLock {
  private:
   int file_ = -1;
 };
+
+/// Is `name` this beginning and the id of a process, and nothing else? Names of methods and data may hold anything.
+bool is_leftover(std::string_view name, std::string_view begin);
 
 /// The surfaces of a simulated world, where the study asks for them.
 inline constexpr const char* kWorldFile = "world.ply";

@@ -150,6 +150,9 @@ struct StudyRun {
   std::vector<std::size_t> uses;  ///< runs that must be finished before
 };
 
+/// Name of a run's folder inside the folder of its data: METHOD, or METHOD_order_N for an order seed N other than 0.
+std::string run_folder(const std::string& method, std::uint64_t order_seed);
+
 /// All runs, by data, order seed and method. `program` identifies the program with its plugins; `runs_folder` as in
 /// overrides_of().
 std::vector<StudyRun> plan_runs(const Study& study, std::string_view program,
