@@ -122,6 +122,25 @@ TEST_CASE("failures are worse than any figure, and keep apart how they failed") 
   CHECK(*ate.comparisons[0].ratio == Approx(0.5 * (0.5 + 0.1 / 0.06)));
 }
 
+TEST_CASE("order seeds and two failures count as in table.md") {
+  const TemporaryFolder folder;
+  std::string csv = "data,sequence,seed,order_seed,method,status,reason,ate_m\n";
+  for (const char* line : {"0,a,ok,,0.2", "0,b,ok,,0.1", "1,a,ok,,0.2", "1,b,ok,,0.1", "2,a,ok,,0.2", "2,b,failed,,"}) {
+    csv += std::string("loop_1,loop,1,") + line + "\n";
+  }
+  write_text(folder.path() / "results.csv", csv + "loop_2,loop,2,0,a,failed,,\nloop_2,loop,2,0,b,failed,,\n");
+  write_text(folder.path() / "table.md", "# s\n\n## ate_m\n\n| method | baseline |\n|---|---|\n| b | a |\n");
+  const MetricTable ate = make_tables(read_study_folder(folder.path()), {"ate_m"}).at(0);
+  REQUIRE(ate.comparisons.size() == 1);
+  const Comparison& c = ate.comparisons[0];
+  CHECK((c.pairs.won == 1 && c.pairs.lost == 0 && c.pairs.tied == 1));
+  CHECK(*c.ratio == Approx((0.5 + 1) / 2));
+  const Cell& cell = ate.lines.at(0).cells.at(1);
+  CHECK((cell.runs == 4 && cell.failed + cell.diverged == 2));
+  CHECK(cell.mark != Mark::value);  // median of 0.1 and a failure
+  CHECK((cell.min == Approx(0.1) && cell.max == Approx(0.1)));
+}
+
 TEST_CASE("comparisons carry the statistics of the study") {
   const Fixture fixture;
   const auto tables = make_tables(fixture.study(), {"ate_m", "ate_deg"});
@@ -238,13 +257,14 @@ TEST_CASE("a page that is full shows the first recording of every sequence befor
   const Fixture fixture;
   const StudyFolder study = fixture.study();
   const auto all = nlohmann::json::parse([&] {
-    const std::string page = make_page(study, kBundle, {.bytes = 2'090'000, .map_points = 100});
+    const std::string page = make_page(study, kBundle, {.bytes = 120'000, .map_points = 100});
     const std::size_t begin = page.find("id=\"study\">") + 11;
     return page.substr(begin, page.find("</script>", begin) - begin);
   }());
   const std::size_t shown = all["shown"];
   INFO(shown);
   REQUIRE((shown > 1 && shown < 10));
+  CHECK(all["left_out"].empty());
   CHECK(all["runs"][0].contains("series"));
   CHECK_FALSE(all["runs"][7].contains("series"));
 }
@@ -262,4 +282,32 @@ TEST_CASE("without its script the page tells what to install") {
   write_text(folder.path() / "report.js", "'</script>'");
   write_text(folder.path() / "report.css", "");
   CHECK_THROWS_AS(read_bundle(folder.path()), aslio::DataError);
+}
+
+TEST_CASE("a page keeps its limit, and says what it has left out for that") {
+  const TemporaryFolder folder;
+  std::string lines = "data,sequence,seed,order_seed,method,status,reason,ate_m\n";
+  for (int k = 1; k <= 60; ++k) {
+    const std::string name = "x_" + std::to_string(k);
+    lines += name + ",x," + std::to_string(k) + ",0,m,ok,,0.1\n";
+    const auto run = folder.path() / "runs" / name / "m";
+    std::filesystem::create_directories(run);
+    write_text(run / "manifest.json", "{\"cpu\": \"" + std::string(2000, 'c') +
+                                          "\", \"input\": {\"start_s\": 0, \"path\": \"" + name +
+                                          std::string(1000, 'p') + "\"}}\n");
+    write_text(run / "resolved.yaml", "schema: aslio/pipeline/1\nfile: " + name + std::string(1000, 'r') + "\n");
+  }
+  write_text(folder.path() / "results.csv", lines);
+  const StudyFolder study = read_study_folder(folder.path());
+  const std::string whole = make_page(study, kBundle, {});
+  CHECK_THAT(whole, Contains("\"left_out\":[]"));
+  CHECK(whole.size() < 170'000);  // 60 x 1000 twice, and the CPU once
+  CHECK_THAT(whole, Contains("\"manifest\":{\"input\":{\"path\":\"x_7p"));
+  const std::string smaller = make_page(study, kBundle, {.bytes = 110'000});
+  CHECK(smaller.size() <= 110'000);
+  CHECK_THAT(smaller, Contains("what the manifests of single runs tell") && !Contains("x_7ppp") && Contains("x_7rrr"));
+  const std::string small = make_page(study, kBundle, {.bytes = 40'000});
+  CHECK(small.size() <= 40'000);
+  CHECK_THAT(small, Contains("all but the first run of a method") && Contains("x_1rrr") && !Contains("x_7rrr"));
+  CHECK_THAT(make_page(study, kBundle, {.bytes = 1'000}), Contains("larger than --limit"));
 }

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "aslio/config/document.hpp"
 #include "aslio/config/node.hpp"
@@ -24,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kFixedBytes = 2'000'000;  // of the limit, for bundle and tables
+constexpr std::size_t kFrameBytes = 4'000;  // of the page, around style, script and study
 
 Json cell_json(const Cell& cell) {
   constexpr std::array<const char*, 4> kMarks = {"value", "diverged", "failed", "absent"};
@@ -150,9 +151,96 @@ std::vector<std::size_t> by_importance(const StudyFolder& study) {
   return runs;
 }
 
+/// What two objects have in common: members of the same value, and so on inside members that are objects in both.
+Json common_part(const Json& a, const Json& b) {
+  Json out = Json::object();
+  for (const auto& [key, value] : a.items()) {
+    const auto at = b.find(key);
+    if (at == b.end()) continue;
+    if (value == *at) {
+      out[key] = value;
+    } else if (value.is_object() && at->is_object()) {
+      if (Json inside = common_part(value, *at); !inside.empty()) out[key] = std::move(inside);
+    }
+  }
+  return out;
+}
+
+/// An object without what it has in common with the others.
+Json rest_of(const Json& whole, const Json& common) {
+  Json out = Json::object();
+  for (const auto& [key, value] : whole.items()) {
+    const auto at = common.find(key);
+    if (at == common.end()) {
+      out[key] = value;
+    } else if (value != *at) {
+      out[key] = rest_of(value, *at);
+    }
+  }
+  return out;
+}
+
+/// The manifests of hundreds of runs are nearly one and the same: what they share stands once, as `manifest`.
+void share_manifests(Json& json) {
+  std::optional<Json> common;
+  for (const Json& run : json["runs"]) {
+    if (run.contains("manifest")) common = common ? common_part(*common, run["manifest"]) : run["manifest"];
+  }
+  if (!common) return;
+  for (Json& run : json["runs"]) {
+    if (run.contains("manifest")) run["manifest"] = rest_of(run["manifest"], *common);
+  }
+  json["manifest"] = std::move(*common);
+}
+
+/// Only that of the first run of a method is ever shown.
+void drop_configs(Json& json) {
+  std::set<std::string> seen;
+  Json kept = Json::array();
+  for (Json& run : json["runs"]) {
+    if (run["config"].is_null()) continue;
+    if (!seen.insert(run["method"].get<std::string>()).second) {
+      run["config"] = nullptr;
+      continue;
+    }
+    kept.push_back(json["configs"][run["config"].get<std::size_t>()]);
+    run["config"] = kept.size() - 1;
+  }
+  json["configs"] = std::move(kept);
+}
+
+/// What is least needed goes first, until the study fits without any course; the page says what has gone. The bytes
+/// that are left.
+std::size_t fit(Json& json, std::size_t bytes) {
+  const auto room = [&] {
+    const std::size_t size = script_safe(json).size();
+    return bytes > size ? bytes - size : 0;
+  };
+  json["left_out"] = Json::array();
+  std::size_t left = room();
+  const auto drop = [&](const char* what, const auto& act) {
+    if (left > 0) return;
+    act();
+    json["left_out"].push_back(what);
+    left = room();
+  };
+  drop("what the manifests of single runs tell", [&] {
+    for (Json& run : json["runs"]) {
+      if (run.contains("manifest")) run["manifest"] = Json::object();
+    }
+  });
+  drop("configurations of all but the first run of a method", [&] { drop_configs(json); });
+  drop("the tables as LaTeX and Markdown", [&] { json["latex"] = json["markdown"] = ""; });
+  drop("notes of single runs", [&] {
+    for (Json& run : json["runs"]) run.erase("summary");
+  });
+  if (left == 0) json["left_out"].push_back("and still the tables alone are larger than --limit");
+  return left;
+}
+
 /// Courses of the runs, as many as fit, with what belongs to their recordings.
-void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits) {
-  std::size_t left = limits.bytes > kFixedBytes ? limits.bytes - kFixedBytes : 0, shown = 0;
+void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits, std::size_t left) {
+  std::size_t shown = 0;
   std::map<std::string, DataTruth> truths;
   Json data = Json::object();
   for (const std::size_t i : by_importance(study)) {
@@ -184,7 +272,8 @@ void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits)
   json["shown"] = shown;
 }
 
-Json study_json(const StudyFolder& study, const PageLimits& limits) {
+/// `bytes`: for all of it.
+Json study_json(const StudyFolder& study, const PageLimits& limits, std::size_t bytes) {
   Json baselines = Json::array();
   for (const auto& baseline : study.baseline) baselines.push_back(baseline ? Json(*baseline) : Json(nullptr));
   Json json = {{"format", 1},
@@ -213,7 +302,8 @@ Json study_json(const StudyFolder& study, const PageLimits& limits) {
   for (const FolderRun& run : study.runs) runs.push_back(run_json(run, configs));
   json["runs"] = std::move(runs);
   json["configs"] = configs.take();
-  put_courses(json, study, limits);
+  share_manifests(json);
+  put_courses(json, study, limits, fit(json, bytes));
   return json;
 }
 
@@ -260,7 +350,8 @@ std::string make_page(const StudyFolder& study, const Bundle& bundle, const Page
       "</style>\n</head>\n<body>\n<noscript>This page draws its tables and figures with a script it holds itself; "
       "allow scripts to see them, or use `aslio report --format md`.</noscript>\n"
       "<div id=\"report\"></div>\n<script type=\"application/json\" id=\"study\">";
-  page += script_safe(study_json(study, limits));
+  const std::size_t frame = bundle.script.size() + bundle.style.size() + kFrameBytes;
+  page += script_safe(study_json(study, limits, limits.bytes > frame ? limits.bytes - frame : 0));
   page += "</script>\n<script>";
   page += bundle.script;
   page += "</script>\n</body>\n</html>\n";

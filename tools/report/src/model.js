@@ -1,9 +1,20 @@
 // The study as the page holds it, and what is chosen to be seen.
 import {channelOf, cloudOf, pathOf} from './decode.js';
 
+/** An object put together from what it shares with others and the rest of it. */
+function joined(common, rest) {
+  const inside = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
+  const out = {...common};
+  for (const [key, value] of Object.entries(rest)) {
+    out[key] = Object.hasOwn(out, key) && inside(out[key]) && inside(value) ? joined(out[key], value) : value;
+  }
+  return out;
+}
+
 export class Study {
   constructor(json) {
     Object.assign(this, json);
+    for (const run of this.runs) if (run.manifest) run.manifest = joined(this.manifest, run.manifest);
     this.runs.forEach((run, index) => {
       run.index = index;
       run.good = run.status === 'ok' || run.status === 'degraded';

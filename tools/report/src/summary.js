@@ -101,6 +101,12 @@ function tiles(study) {
     degraded > 0 && tile(String(degraded), 'degraded'));
 }
 
+function leftOut(study) {
+  return study.left_out?.length > 0 && h('div', {class: 'card warning'}, h('h3', null, 'Left out'),
+    h('p', null, 'The page would be larger than the limit of aslio report --limit, so that it lacks:'),
+    h('ul', null, study.left_out.map((text) => h('li', null, text))));
+}
+
 function warnings(study) {
   return study.identical?.length > 0 && h('div', {class: 'card warning'}, h('h3', null, 'Identical results'),
     h('ul', null, study.identical.map((text) => h('li', null, text))));
@@ -116,6 +122,6 @@ export function summarySection(study, choice) {
     choice.on(['metric', 'theme'], draw);
     draw();
   }
-  return section('study', study.name, null, questionCards(study), expectationCard(study), verdictCard(study), tiles(study), warnings(study), place);
+  return section('study', study.name, null, questionCards(study), expectationCard(study), verdictCard(study), tiles(study), warnings(study), leftOut(study), place);
 }
 

@@ -18,7 +18,7 @@ struct Bundle {
 Bundle read_bundle(const std::filesystem::path& folder);
 
 struct PageLimits {
-  std::size_t bytes = 25'000'000;    ///< of the data: runs beyond it are in the tables, but without their course
+  std::size_t bytes = 25'000'000;    ///< of the page: runs beyond it are in the tables, but without their course
   std::size_t map_points = 120'000;  ///< of one recording
 };
 
