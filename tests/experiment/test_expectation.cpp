@@ -99,6 +99,26 @@ TEST_CASE("pairs, factors, sequences and failures in a rule") {
   CHECK(open.open == "1 run is missing");
 }
 
+TEST_CASE("a pair of a rule is a recording, whatever the number of order seeds") {
+  const StudyFiles files;
+  const auto text = [](const std::string& count) {
+    return head() + "expectation: [{claim: \"## two\\n\\n| lines\", method: b, against: a, lower_on: " + count +
+           "}]\ndatasets: [{scene: scene_a.yaml, seeds: 1-2}]\norder_seeds: [0, 1, 2]\nmethods:\n" +
+           method("a", "fixed_window") + method("b", "fixed_window", "set: {map.voxel: 0.7}");
+  };
+  CHECK_THAT(files.complaint(text("6 of 6 pairs")), Contains("there are 2 pairs"));
+  const Study study = files.load(text("2 of 2 pairs"));
+  const auto runs = plan_runs(study, "program");
+  Rows rows = {row(0.2), row(0.1), row(0.2), row(0.3), row(0.2), row(0.1),
+               row(0.2), row(0.1), row(0.2), row(0.1), row(0.2), row(0.3)};
+  const auto judged = [&] { return judge_expectation(study, runs, rows, StudyFigures(study, runs, rows)).at(0); };
+  CHECK(judged().verdict == Verdict::holds);
+  // A claim of several lines stays one item of the list.
+  CHECK(judged().text == "## two | lines: ate_m of b below that of a on 2 of 2 pairs, needs 2");
+  rows[11].reset();
+  CHECK(judged().verdict == Verdict::not_decided);
+}
+
 TEST_CASE("an expectation that cannot be judged is refused with its place") {
   const StudyFiles files;
   struct Case {

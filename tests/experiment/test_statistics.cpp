@@ -111,6 +111,40 @@ TEST_CASE("statistics.csv has a line per sequence and method, and per comparison
   CHECK(of("pairs_lost")[7] == "8");
 }
 
+TEST_CASE("order seeds are no further pairs: the median over them stands for the recording") {
+  const StudyFiles files;
+  const Study study =
+      files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2, name: a}]\norder_seeds: [0, 1, 2]\nmethods:\n" +
+                 method("fixed", "fixed_window") + method("other", "as_lio", "differs: [window, history]") +
+                 "baseline: fixed\nmetrics: [ate_m]\n");
+  const auto runs = plan_runs(study, "program");
+  // By recording and order seed: fixed, other. `other` is lower twice on the first one, once on the second.
+  Rows rows = {row(0.2), row(0.1), row(0.2), row(0.1), row(0.2), row(0.5),
+               row(0.4), row(0.3), row(0.4), row(0.8), row(0.4), row(0, "diverged")};
+  const StudyFigures figures(study, runs, rows);
+  const Comparison c = figures.comparisons("ate_m").at(0);
+  CHECK(c.pairs.won == 1);
+  CHECK(c.pairs.lost == 1);
+  CHECK(*c.ratio == Approx((0.5 + 2) / 2));
+  CHECK_FALSE(c.p.has_value());
+  CHECK(c.failed == 0);
+  const Replicates other = figures.replicates(0, 1, "ate_m");
+  CHECK(other.values == std::vector<double>{0.1, 0.8});
+  CHECK(other.runs == 6);
+  CHECK(other.failed == 1);
+  const std::string text = results_markdown(study, runs, rows);
+  CHECK_THAT(text, Contains("| a | 0.3 (0.2-0.4) | 0.45 (0.1-0.8) 1- |") || Contains("0.45 (0.1-0.8) 1x |"));
+  // The same for every order seed, on all recordings: no replicates, and told.
+  CHECK_THAT(text,
+             Contains("## Identical results") && Contains("- fixed gave the same figures to the last bit for every "
+                                                          "order seed, on 2 recordings: the order seed"));
+  CHECK_THAT(text, !Contains("other gave the same"));
+  // A pair with an order seed that is missing on one side is taken over the others.
+  rows[5].reset();
+  CHECK(*StudyFigures(study, runs, rows).pair(0, 1, 0, "ate_m").value == 0.1);
+  CHECK(StudyFigures(study, runs, rows).pair(0, 1, 0, "ate_m").seeds == 2);
+}
+
 TEST_CASE("methods whose runs do not differ in a bit are told, whatever the clock said") {
   Fixture f;
   CHECK(identical_methods(f.study, f.runs, f.rows).empty());

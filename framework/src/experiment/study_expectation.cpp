@@ -63,7 +63,7 @@ std::size_t extent(const Study& study, const Rule& rule, bool pairs) {
     for (const std::string& sequence : sequences_of(study)) count += concerns(rule, sequence) ? 1 : 0;
     return count;
   }
-  for (const StudyData& data : study.data) count += concerns(rule, data.sequence) ? study.order_seeds.size() : 0;
+  for (const StudyData& data : study.data) count += concerns(rule, data.sequence) ? 1 : 0;
   return count;
 }
 
@@ -100,7 +100,7 @@ class Judge {
 
   JudgedRule judge(const Rule& rule) const {
     JudgedRule out = rule.failures ? judge_failures(rule) : judge_lower(rule);
-    if (!rule.claim.empty()) out.text = rule.claim + ": " + out.text;
+    if (!rule.claim.empty()) out.text = one_line(rule.claim) + ": " + out.text;
     return out;
   }
 
@@ -173,7 +173,7 @@ class Judge {
       if (!concerns(rule, figures_.sequences()[s])) continue;
       ++count.of;
       const Replicates mine = figures_.replicates(s, a, rule.metric), other = figures_.replicates(s, b, rule.metric);
-      if (std::min(mine.values.size(), other.values.size()) < planned(s)) {
+      if (std::min(mine.runs, other.runs) < planned(s)) {
         ++count.missing;
       } else {
         count.won += won(*mine.median(), *other.median()) ? 1 : 0;
@@ -182,17 +182,17 @@ class Judge {
     return count;
   }
 
-  /// Runs over the same data with the same order seed stand together, by method.
+  /// A pair is a recording, with the medians over the order seeds. It is open while any of its runs is missing.
   Count count_pairs(const Rule& rule, std::size_t a, std::size_t b, const Wins& won) const {
     Count count;
-    for (std::size_t group = 0; group < runs_.size(); group += study_.methods.size()) {
-      if (!concerns(rule, study_.data[runs_[group].data].sequence)) continue;
+    for (std::size_t d = 0; d < study_.data.size(); ++d) {
+      if (!concerns(rule, study_.data[d].sequence)) continue;
       ++count.of;
-      const auto mine = figures_.value(group + a, rule.metric), other = figures_.value(group + b, rule.metric);
-      if (!mine || !other) {
+      const Pair pair = figures_.pair(d, a, b, rule.metric);
+      if (pair.seeds < study_.order_seeds.size()) {
         ++count.missing;
       } else {
-        count.won += won(*mine, *other) ? 1 : 0;
+        count.won += won(*pair.value, *pair.baseline) ? 1 : 0;
       }
     }
     return count;
@@ -278,6 +278,18 @@ Verdict overall(const std::vector<JudgedRule>& rules) {
   };
   if (any(Verdict::does_not_hold)) return Verdict::does_not_hold;
   return any(Verdict::not_decided) || rules.empty() ? Verdict::not_decided : Verdict::holds;
+}
+
+std::string one_line(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n\v\f";
+  std::string out;
+  for (std::size_t begin = text.find_first_not_of(kBlank); begin != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
+    if (!out.empty()) out += ' ';
+    out += text.substr(begin, end - begin);
+    begin = text.find_first_not_of(kBlank, end);
+  }
+  return out;
 }
 
 std::string to_markdown(const JudgedRule& rule) {

@@ -62,14 +62,20 @@ void Tally::count(double value, double baseline) {
 StudyFigures::StudyFigures(const Study& study, const std::vector<StudyRun>& runs,
                            const std::vector<std::optional<StudyRow>>& rows)
     : study_(study), rows_(rows) {
-  std::vector<std::size_t> sequence_of;
-  for (const StudyData& data : study.data) {
-    const auto at = std::find(sequences_.begin(), sequences_.end(), data.sequence);
-    sequence_of.push_back(static_cast<std::size_t>(at - sequences_.begin()));
-    if (at == sequences_.end()) sequences_.push_back(data.sequence);
+  for (std::size_t d = 0; d < study.data.size(); ++d) {
+    const auto at = std::find(sequences_.begin(), sequences_.end(), study.data[d].sequence);
+    const auto s = static_cast<std::size_t>(at - sequences_.begin());
+    if (at == sequences_.end()) {
+      sequences_.push_back(study.data[d].sequence);
+      data_of_.emplace_back();
+    }
+    data_of_[s].push_back(d);
   }
-  runs_of_.assign(sequences_.size(), std::vector<std::vector<std::size_t>>(study.methods.size()));
-  for (std::size_t i = 0; i < runs.size(); ++i) runs_of_[sequence_of[runs[i].data]][runs[i].method].push_back(i);
+  // The runs over the same data with the same order seed stand together, by method.
+  groups_of_.resize(study.data.size());
+  for (std::size_t group = 0; group < runs.size(); group += study.methods.size()) {
+    groups_of_[runs[group].data].push_back(group);
+  }
 }
 
 std::optional<double> StudyFigures::value(std::size_t run, const std::string& metric) const {
@@ -78,15 +84,32 @@ std::optional<double> StudyFigures::value(std::size_t run, const std::string& me
   return rows_[run]->good() ? rows_[run]->figure(metric) : std::optional(kFailedFigure);
 }
 
+Pair StudyFigures::pair(std::size_t data, std::size_t method, std::size_t baseline, const std::string& metric) const {
+  std::vector<double> values, others;
+  for (const std::size_t group : groups_of_[data]) {
+    const auto v = value(group + method, metric), w = value(group + baseline, metric);
+    if (!v || !w || std::isnan(*v) || std::isnan(*w)) continue;
+    values.push_back(*v);
+    others.push_back(*w);
+  }
+  return {statistics::median(values), statistics::median(others), values.size()};
+}
+
 Replicates StudyFigures::replicates(std::size_t sequence, std::size_t method, const std::string& metric) const {
   Replicates out;
-  for (const std::size_t run : runs_of_[sequence][method]) {
-    const auto v = value(run, metric);
-    if (!v || std::isnan(*v)) continue;
-    out.values.push_back(*v);
-    if (*v != kFailedFigure) continue;
-    ++out.failed;
-    out.late += failed_late(rows_[run]->outcome.status, rows_[run]->figure("failed_at")) ? 1 : 0;
+  for (const std::size_t data : data_of_[sequence]) {
+    std::vector<double> orders;
+    for (const std::size_t group : groups_of_[data]) {
+      const std::size_t run = group + method;
+      const auto v = value(run, metric);
+      if (!v || std::isnan(*v)) continue;
+      orders.push_back(*v);
+      if (*v != kFailedFigure) continue;
+      ++out.failed;
+      out.late += failed_late(rows_[run]->outcome.status, rows_[run]->figure("failed_at")) ? 1 : 0;
+    }
+    out.runs += orders.size();
+    if (const auto median = statistics::median(orders)) out.values.push_back(*median);
   }
   std::sort(out.values.begin(), out.values.end());
   return out;
@@ -101,14 +124,13 @@ Comparison StudyFigures::compare(std::size_t method, std::size_t baseline, const
   for (std::size_t s = 0; s < sequences_.size(); ++s) {
     const auto a = replicates(s, method, metric).median(), b = replicates(s, baseline, metric).median();
     if (a && b) out.sequences.count(*a, *b);
-    for (const std::size_t run : runs_of_[s][method]) {
-      // The runs over the same data with the same order seed stand together, by method.
-      const auto v = value(run, metric), w = value(run - method + baseline, metric);
-      if (!v || !w || std::isnan(*v) || std::isnan(*w)) continue;
-      out.pairs.count(*v, *w);
-      out.failed += *v == kFailedFigure ? 1 : 0;
-      out.baseline_failed += *w == kFailedFigure ? 1 : 0;
-      ratios[s].push_back(ratio_of(*v, *w));
+    for (const std::size_t data : data_of_[s]) {
+      const Pair both = pair(data, method, baseline, metric);
+      if (!both.value) continue;
+      out.pairs.count(*both.value, *both.baseline);
+      out.failed += *both.value == kFailedFigure ? 1 : 0;
+      out.baseline_failed += *both.baseline == kFailedFigure ? 1 : 0;
+      ratios[s].push_back(ratio_of(*both.value, *both.baseline));
       all.push_back(ratios[s].back());
       logarithms.push_back(std::log(all.back()));
     }
@@ -147,7 +169,7 @@ std::string statistics_csv(const Study& study, const StudyFigures& figures) {
         if (r.values.empty()) continue;
         const auto interval = statistics::bootstrap_median(r.values);
         fmt::format_to(out, "{},{},{},,{},{},{},{},{},{},{},,,,,,,,,,\n", metric, figures.sequences()[s],
-                       study.methods[m].name, r.values.size(), r.failed, text_of(r.median()),
+                       study.methods[m].name, r.runs, r.failed, text_of(r.median()),
                        text_of(statistics::quantile_of_sorted(r.values, 0.25)),
                        text_of(statistics::quantile_of_sorted(r.values, 0.75)),
                        interval ? fmt::to_string(interval->low) : "", interval ? fmt::to_string(interval->high) : "");
@@ -190,6 +212,29 @@ std::vector<IdenticalMethods> identical_methods(const Study& study, const std::v
       out.push_back({a, b, same});
       taken[b] = true;
     }
+  }
+  return out;
+}
+
+std::vector<std::string> identical_orders(const Study& study, const std::vector<StudyRun>& runs,
+                                          const std::vector<std::optional<StudyRow>>& rows) {
+  std::vector<std::string> out;
+  for (std::size_t m = 0; m < study.methods.size(); ++m) {
+    std::vector<std::vector<std::string>> digests(study.data.size());
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      std::string digest = runs[i].method == m ? digest_of(rows[i]) : std::string();
+      if (!digest.empty()) digests[runs[i].data].push_back(std::move(digest));
+    }
+    std::size_t same = 0, apart = 0;
+    for (const std::vector<std::string>& of : digests) {
+      if (of.size() < 2) continue;
+      ++(std::count(of.begin(), of.end(), of.front()) == static_cast<std::ptrdiff_t>(of.size()) ? same : apart);
+    }
+    if (same == 0 || apart > 0) continue;
+    out.push_back(
+        fmt::format("{} gave the same figures to the last bit for every order seed, on {} recording{}: the "
+                    "order seed has no effect on it",
+                    study.methods[m].name, same, same == 1 ? "" : "s"));
   }
   return out;
 }

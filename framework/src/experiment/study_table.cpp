@@ -28,11 +28,12 @@ class Tables {
     const auto done = std::count_if(rows_.begin(), rows_.end(), [](const auto& row) { return row.has_value(); });
     std::string text = fmt::format("# {}\n\n", study_.name);
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "**Question.** {}\n\n**Prediction.** {}\n\n**Rule.** {}\n\n", paragraph(config.question),
-                   paragraph(config.prediction), paragraph(config.rule));
+    fmt::format_to(out, "**Question.** {}\n\n**Prediction.** {}\n\n**Rule.** {}\n\n", one_line(config.question),
+                   one_line(config.prediction), one_line(config.rule));
     fmt::format_to(
         out,
-        "{} of {} runs. A cell is the median over seeds with smallest and largest in brackets. A run that "
+        "{} of {} runs. A cell is the median over seeds with smallest and largest in brackets (of several order "
+        "seeds, the median of each recording first). A run that "
         "failed or diverged counts as worse than any figure: `x` if before a tenth of the way, `-` if later; "
         "alone, the median is one of them, `2x` and `1-` tell how many. An empty cell has no figure.\n",
         done, runs_.size());
@@ -46,13 +47,6 @@ class Tables {
   }
 
  private:
-  /// A text of several lines would end the paragraph.
-  static std::string paragraph(std::string text) {
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    while (text.ends_with(' ')) text.pop_back();
-    return text;
-  }
-
   std::string expectation() const {
     const std::vector<JudgedRule> rules = judge_expectation(study_, runs_, rows_, figures_);
     if (rules.empty()) return {};
@@ -66,9 +60,10 @@ class Tables {
     if (!median) return "";
     const std::string_view mark = 2 * r.late > r.failed ? "-" : "x";
     std::string text = *median == kFailedFigure ? std::string(mark) : fmt::format("{:.4g}", *median);
-    const std::size_t good = r.values.size() - r.failed;
+    const auto good =
+        static_cast<std::size_t>(std::lower_bound(r.values.begin(), r.values.end(), kFailedFigure) - r.values.begin());
     if (good > 0 && r.values.size() > 1) text += fmt::format(" ({:.4g}-{:.4g})", r.values[0], r.values[good - 1]);
-    if (r.values.size() < 2) return text;
+    if (r.runs < 2) return text;
     if (r.failed > r.late) text += fmt::format(" {}x", r.failed - r.late);
     if (r.late > 0) text += fmt::format(" {}-", r.late);
     return text;
@@ -116,8 +111,9 @@ class Tables {
     }
     if (text.empty()) return text;
     return fmt::format(
-        "\nAgainst the baseline, smaller is better. Won / lost / tied: sequences by their medians, and pairs of runs "
-        "over the same data. Ratio: median over the pairs, with the 95 % interval of a bootstrap clustered by "
+        "\nAgainst the baseline, smaller is better. Won / lost / tied: sequences by their medians, and pairs on the "
+        "same recording, by medians over order seeds. Ratio: median over the pairs, with the 95 % interval of a "
+        "bootstrap clustered by "
         "sequence, "
         "from 5 pairs on. Effect: rank-biserial correlation, -1 is below the baseline throughout. p: Wilcoxon's "
         "signed-rank test, from 6 pairs on, and with Holm's correction for the lines of this table.\n\n"
@@ -145,6 +141,7 @@ class Tables {
     for (const IdenticalMethods& same : identical_methods(study_, runs_, rows_)) {
       text += fmt::format("- {}\n", identical_text(study_, same));
     }
+    for (const std::string& line : identical_orders(study_, runs_, rows_)) text += fmt::format("- {}\n", line);
     return text.empty() ? text : "\n## Identical results\n\n" + text;
   }
 
@@ -152,7 +149,7 @@ class Tables {
     std::string text;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       if (!rows_[i] || rows_[i]->good()) continue;
-      std::string reason = paragraph(rows_[i]->outcome.reason);
+      std::string reason = one_line(rows_[i]->outcome.reason);
       std::replace(reason.begin(), reason.end(), '|', '/');
       text += fmt::format("| {} | {} | {} | {} |\n", study_.data[runs_[i].data].name, runs_[i].folder,
                           rows_[i]->outcome.status, reason);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "aslio/experiment/study_results.hpp"
 
@@ -42,9 +43,10 @@ constexpr std::array<KnownMetric, 15> kKnown = {{
     {"mean_rate_hz", "Mean rate", "Hz", Kind::other, false},
 }};
 
-double median_of(const std::vector<double>& sorted) {
-  const std::size_t half = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+double median_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
 std::optional<double> failed_at(const StudyFolder& study, const FolderRun& run) {
@@ -61,19 +63,21 @@ std::optional<double> value_of(const StudyFolder& study, const FolderRun& run, s
 
 Cell cell_of(const StudyFolder& study, const std::string& sequence, const std::string& method, std::size_t figure) {
   Cell cell;
-  std::vector<double> values;
+  std::map<std::string, std::vector<double>> orders;  // by recording, of its order seeds
   for (const FolderRun& run : study.runs) {
     if (run.method != method || run.sequence != sequence) continue;
     const auto value = value_of(study, run, figure);
     if (!value) continue;
-    values.push_back(*value);
+    orders[run.data].push_back(*value);
+    ++cell.runs;
     if (*value == kFailed) ++(experiment::failed_late(run.status, failed_at(study, run)) ? cell.diverged : cell.failed);
   }
-  cell.runs = values.size();
+  std::vector<double> values;
+  for (auto& [data, of] : orders) values.push_back(median_of(of));
   if (values.empty()) return cell;
   std::sort(values.begin(), values.end());
   const double median = median_of(values);
-  const std::size_t good = values.size() - cell.failed - cell.diverged;
+  const auto good = static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), kFailed) - values.begin());
   if (good > 0) {
     cell.min = values[0];
     cell.max = values[good - 1];
@@ -107,30 +111,32 @@ void count(Tally& tally, double value, double baseline) {
   ++(value < baseline ? tally.won : value > baseline ? tally.lost : tally.tied);
 }
 
-/// The runs of two methods over the same data with the same order seed.
+/// Two methods on the same recordings, by the medians over the order seeds that both have.
 std::vector<std::pair<double, double>> pairs_of(const StudyFolder& study, std::size_t method, std::size_t other,
                                                 std::size_t figure) {
-  std::vector<std::pair<double, double>> found;
+  std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> orders;  // by recording
   for (const FolderRun& a : study.runs) {
     if (a.method != study.methods[method]) continue;
     for (const FolderRun& b : study.runs) {
       if (b.method != study.methods[other] || b.data != a.data || b.order_seed != a.order_seed) continue;
       const auto x = value_of(study, a, figure), y = value_of(study, b, figure);
-      if (x && y) found.emplace_back(*x, *y);
+      if (!x || !y) continue;
+      orders[a.data].first.push_back(*x);
+      orders[a.data].second.push_back(*y);
     }
   }
+  std::vector<std::pair<double, double>> found;
+  for (const auto& [data, both] : orders) found.emplace_back(median_of(both.first), median_of(both.second));
   return found;
 }
 
-/// Median of a / b; pairs that failed on both sides tell nothing.
+/// Median of a / b, as in table.md: 1 for two that are equal, two failures among them.
 std::optional<double> ratio_of(const std::vector<std::pair<double, double>>& pairs) {
   std::vector<double> ratios;
   for (const auto& [a, b] : pairs) {
-    if ((a == kFailed && b == kFailed) || !(b > 0)) continue;
-    ratios.push_back(a == kFailed ? kFailed : b == kFailed ? 0 : a / b);
+    ratios.push_back(a == b ? 1 : b == 0 ? kFailed : b == kFailed ? 0 : a / b);
   }
   if (ratios.empty()) return std::nullopt;
-  std::sort(ratios.begin(), ratios.end());
   return median_of(ratios);
 }
 

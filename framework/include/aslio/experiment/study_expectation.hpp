@@ -50,4 +50,7 @@ Verdict overall(const std::vector<JudgedRule>& rules);
 /// "TEXT: **holds**", as a line of a Markdown list has it.
 std::string to_markdown(const JudgedRule& rule);
 
+/// A text of any number of lines on one, words one space apart: a line break would end an item or a row of a table.
+std::string one_line(std::string_view text);
+
 }  // namespace aslio::experiment
