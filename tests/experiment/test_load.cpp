@@ -137,6 +137,31 @@ TEST_CASE("what is wrong in a study is told with its place and a remedy") {
   }
 }
 
+TEST_CASE("a pattern of datasets is all that it matches, in order") {
+  const StudyFiles files;
+  const std::string one = "methods:\n" + method("a", "fixed_window");
+  const auto text = [&](const std::string& entry) { return head() + "datasets: [{" + entry + "}]\n" + one; };
+  std::filesystem::copy(std::filesystem::path(ASLIO_SOURCE_DIR) / "configs/sensors/livox_avia.yaml",
+                        files.folder / "avia.yaml");
+  write_text(files.folder / "points.bag", "none is read");
+  for (const char* name : {"walk_2", "walk_1", "ride_1"}) {
+    std::filesystem::create_directories(files.folder / "sets" / name);
+    write_text(files.folder / "sets" / name / "dataset.yaml",
+               "schema: aslio/dataset/1\ninput: ../../points.bag\nsensor: ../../avia.yaml\n");
+  }
+  const Study study = files.load(text("dataset: 'sets/walk_*'"));
+  REQUIRE(study.data.size() == 2);
+  CHECK(study.data[0].name == "walk_1");
+  CHECK(study.data[1].name == "walk_2");
+  CHECK(files.load(text("dataset: 'sets/[rw]*/dataset.yaml'")).data.size() == 3);
+  CHECK(files.load(text("dataset: 'sets/r*', name: ride")).data[0].name == "ride");
+  CHECK_THAT(files.complaint(text("dataset: 'sets/run_*'")),
+             Contains("study.yaml:5:") && Contains("'sets/run_*' matches nothing: give a pattern of dataset files"));
+  CHECK_THAT(
+      files.complaint(text("dataset: 'sets/walk_*', name: w")),
+      Contains("study.yaml:5:") && Contains("'w' would be the name of 2 recordings") && Contains("leave it out"));
+}
+
 TEST_CASE("names that would mix what belongs apart are refused") {
   const StudyFiles files;
   const std::string orders = head() + kData + "order_seeds: [0, 1]\nmethods:\n" + method("a", "fixed_window");

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "aslio/core/errors.hpp"
+#include "aslio/experiment/study_status.hpp"
 #include "study_files.hpp"
 
 using namespace aslio::test;
@@ -63,6 +65,27 @@ TEST_CASE("a glob selects by data, method or both, with the runs that are used")
   CHECK(selection(study, "*_2/shifted") == std::vector<std::string>{"scene_a_2/as_lio", "scene_a_2/shifted"});
   CHECK(selection(study, "shifted").size() == 8);
   CHECK(selection(study, "nothing").empty());
+  for (const char* some : {"", "shifted", "*_order_7", "scene_a_2"}) CHECK_NOTHROW(require_selection(study, some));
+  CHECK_THROWS_WITH(require_selection(study, "nothing"), Catch::Matchers::Contains("matches none of 12 runs"));
+}
+
+TEST_CASE("a call for some of the runs leaves the plan of all, and one for none of them is refused") {
+  const StudyFiles files;
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\nmethods:\n" +
+                                 method("a", "fixed_window") + method("b", "as_lio"));
+  StudyOptions options;
+  options.output = files.folder / "out";
+  options.program = "program";
+  options.executable = ASLIO_CHILD_PROGRAM;
+  options.only = "c";
+  Quiet monitor;
+  CHECK_THROWS_AS(run_study(study, options, monitor), aslio::ConfigError);
+  CHECK_FALSE(std::filesystem::exists(options.output));
+  options.only = "scene_a_1/a";
+  run_study(study, options, monitor);
+  const StudyStatus status = read_status(options.output);
+  CHECK(status.total.good == 1);
+  CHECK(status.total.waiting == 3);
 }
 
 TEST_CASE("the key of a run changes with what the run depends on, and with nothing else") {

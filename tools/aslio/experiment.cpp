@@ -156,6 +156,7 @@ int run_experiment(const Arguments& a) {
   for (const std::string& plugin : a.plugins) {
     options.run_options.insert(options.run_options.end(), {"--plugin", plugin});
   }
+  experiment::require_selection(study, options.only);
   if (a.dry_run) {
     print_plan(study, options);
     return kSuccess;

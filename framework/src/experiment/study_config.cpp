@@ -64,7 +64,8 @@ std::optional<std::vector<std::uint64_t>> parse_seeds(std::string_view text) {
 
 void StudyDataConfig::describe(config::Binder& b, StudyDataConfig& data) {
   b.text("scene", data.scene, "scene file, simulated when its runs begin; this or `dataset`");
-  b.text("dataset", data.dataset, "dataset file, or a folder with dataset.yaml; this or `scene`");
+  b.text("dataset", data.dataset,
+         "dataset file, a folder with dataset.yaml, or a pattern of them (*, ?, [..]); this or `scene`");
   b.text("seeds", data.seeds, "of the simulation, as in 1-10 or 1-3,7; one recording each");
   b.texts("set", data.set, {}, "key.path=value, for the scene");
   b.text("name", data.name, "what tables call the sequence; empty: the name of the scene file, or of the dataset");

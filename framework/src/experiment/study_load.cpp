@@ -1,5 +1,6 @@
 // From a study file to a checked study: what the keys name is read, the grid of methods is laid out.
 #include <fmt/format.h>
+#include <glob.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -112,16 +113,57 @@ class Reader {
 
   void add_data(const StudyDataConfig& config, std::size_t index) {
     if (config.scene.empty()) {
-      add_recording(config, index);
+      add_recordings(config, index);
     } else {
       add_scene(config, index);
     }
   }
 
-  void add_recording(const StudyDataConfig& config, std::size_t index) {
+  void add_recordings(const StudyDataConfig& config, std::size_t index) {
+    std::error_code ignored;
+    if (config.dataset.find_first_of("*?[") == std::string::npos || fs::exists(at(config.dataset), ignored)) {
+      add_recording(config, at(config.dataset), index);
+      return;
+    }
+    const std::vector<fs::path> found = matching(config.dataset);
+    if (found.empty()) {
+      problems_.add(place("datasets", index, "dataset"),
+                    fmt::format("'{}' matches nothing: give a pattern of dataset files, or of folders with one; it is "
+                                "relative to the folder of this file",
+                                config.dataset));
+    } else if (found.size() > 1 && !config.name.empty()) {
+      problems_.add(place("datasets", index, "name"),
+                    fmt::format("'{}' would be the name of {} recordings that '{}' matches: leave it out", config.name,
+                                found.size(), config.dataset));
+    } else {
+      for (const fs::path& path : found) add_recording(config, path, index);
+    }
+  }
+
+  /// Paths that a pattern matches, sorted.
+  std::vector<fs::path> matching(const std::string& written) const {
+    std::string pattern;
+    if (!fs::path(written).is_absolute()) {
+      for (const char c : folder_.string()) {
+        if (std::string_view("*?[\\").find(c) != std::string_view::npos) pattern += '\\';
+        pattern += c;
+      }
+      if (!pattern.empty()) pattern += '/';
+    }
+    glob_t found{};
+    std::vector<fs::path> paths;
+    if (::glob((pattern + written).c_str(), GLOB_NOSORT, nullptr, &found) == 0) {
+      for (std::size_t i = 0; i < found.gl_pathc; ++i) paths.push_back(fs::path(found.gl_pathv[i]).lexically_normal());
+    }
+    ::globfree(&found);
+    std::sort(paths.begin(), paths.end());
+    return paths;
+  }
+
+  void add_recording(const StudyDataConfig& config, const fs::path& path, std::size_t index) {
     StudyData data;
     try {
-      const Dataset dataset = load_dataset(at(config.dataset));
+      const Dataset dataset = load_dataset(path);
       data.name = data.sequence = config.name.empty() ? dataset.name : config.name;
       data.dataset = dataset.file;
       data.identity = recording_identity(dataset);

@@ -7,6 +7,7 @@
 
 #include "aslio/config/document.hpp"
 #include "aslio/config/node.hpp"
+#include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/study.hpp"
 
@@ -113,6 +114,21 @@ std::vector<std::string> overrides_of(const Study& study, const std::vector<Stud
     }
   }
   return overrides;
+}
+
+void require_selection(const Study& study, const std::string& glob) {
+  if (glob.empty()) return;
+  for (const StudyData& data : study.data) {
+    if (matches(glob, data.name)) return;
+    for (const StudyMethod& method : study.methods) {
+      if (matches(glob, method.name)) return;
+      for (const std::uint64_t seed : study.order_seeds) {
+        if (matches(glob, data.name + "/" + run_folder(method.name, seed))) return;
+      }
+    }
+  }
+  throw ConfigError(fmt::format("--only {}: matches none of {} runs; --dry-run without it lists them", glob,
+                                study.data.size() * study.methods.size() * study.order_seeds.size()));
 }
 
 std::vector<bool> select_runs(const Study& study, const std::vector<StudyRun>& runs, const std::string& glob) {

@@ -76,7 +76,7 @@ class Schedule {
         ++total_;
       }
     }
-    if (options.recording.empty()) write_plan(study, result_.runs, selected, options.jobs, options.output);
+    if (options.recording.empty()) write_plan(study, result_.runs, options.jobs, options.output);
   }
 
   StudyResult run() {
@@ -430,6 +430,7 @@ std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::
 }
 
 StudyResult run_study(const Study& study, const StudyOptions& options, StudyMonitor& monitor) {
+  require_selection(study, options.only);
   std::error_code error;
   fs::create_directories(options.output, error);
   if (!fs::is_directory(options.output)) {

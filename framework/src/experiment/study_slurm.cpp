@@ -59,7 +59,7 @@ class Cluster {
     result_.runs = plan_runs(study, options.program, runs_folder);
     result_.rows = rows_so_far(study, result_.runs, options.output);
     selected_ = select_runs(study, result_.runs, options.only);
-    write_plan(study, result_.runs, selected_, slurm.throttle * options.jobs, options.output);
+    write_plan(study, result_.runs, slurm.throttle * options.jobs, options.output);
     attempts_.assign(study.data.size(), 0);
     open_.resize(study.data.size());
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
@@ -276,6 +276,7 @@ class Cluster {
 
 StudyResult run_study_on_slurm(const Study& study, const StudyOptions& options, const SlurmOptions& slurm,
                                StudyMonitor& monitor) {
+  require_selection(study, options.only);
   std::error_code error;
   fs::create_directories(options.output, error);
   if (!fs::is_directory(options.output)) {

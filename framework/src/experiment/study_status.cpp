@@ -154,12 +154,10 @@ std::string list(const std::string& title, const std::vector<std::string>& lines
 
 }  // namespace
 
-void write_plan(const Study& study, const std::vector<StudyRun>& runs, const std::vector<bool>& selected, int jobs,
-                const fs::path& output) {
+void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const fs::path& output) {
   io::AtomicFile file(output / kPlanFile);
   file.write("data,sequence,run,method,identity,key,jobs\n");
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (!selected[i]) continue;
     const StudyData& data = study.data[runs[i].data];
     file.write(fmt::format("{},{},{},{},{},{},{}\n", data.name, data.sequence, runs[i].folder,
                            study.methods[runs[i].method].name, data.identity, runs[i].key, jobs));

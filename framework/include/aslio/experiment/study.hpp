@@ -174,6 +174,9 @@ std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const
 std::vector<std::string> overrides_of(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
                                       const std::filesystem::path& runs_folder);
 
+/// Throws ConfigError where a glob selects none of the runs.
+void require_selection(const Study& study, const std::string& glob);
+
 /// By run: whether "DATA/FOLDER", the name of its data or that of its method matches the glob, or a matching run uses
 /// it. An empty glob matches all.
 std::vector<bool> select_runs(const Study& study, const std::vector<StudyRun>& runs, const std::string& glob);

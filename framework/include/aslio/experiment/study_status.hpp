@@ -10,9 +10,8 @@
 
 namespace aslio::experiment {
 
-/// Writes plan.csv: the runs that a call is to make, or has found finished. Throws DataError.
-void write_plan(const Study& study, const std::vector<StudyRun>& runs, const std::vector<bool>& selected, int jobs,
-                const std::filesystem::path& output);
+/// Writes plan.csv: all runs of the study, whichever of them a call is to make. Throws DataError.
+void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const std::filesystem::path& output);
 
 /// Runs by their state.
 struct RunCounts {
