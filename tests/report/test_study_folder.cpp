@@ -141,25 +141,6 @@ TEST_CASE("order seeds and two failures count as in table.md") {
   CHECK((cell.min == Approx(0.1) && cell.max == Approx(0.1)));
 }
 
-TEST_CASE("order seeds and two failures count as in table.md") {
-  const TemporaryFolder folder;
-  std::string csv = "data,sequence,seed,order_seed,method,status,reason,ate_m\n";
-  for (const char* line : {"0,a,ok,,0.2", "0,b,ok,,0.1", "1,a,ok,,0.2", "1,b,ok,,0.1", "2,a,ok,,0.2", "2,b,failed,,"}) {
-    csv += std::string("loop_1,loop,1,") + line + "\n";
-  }
-  write_text(folder.path() / "results.csv", csv + "loop_2,loop,2,0,a,failed,,\nloop_2,loop,2,0,b,failed,,\n");
-  write_text(folder.path() / "table.md", "# s\n\n## ate_m\n\n| method | baseline |\n|---|---|\n| b | a |\n");
-  const MetricTable ate = make_tables(read_study_folder(folder.path()), {"ate_m"}).at(0);
-  REQUIRE(ate.comparisons.size() == 1);
-  const Comparison& c = ate.comparisons[0];
-  CHECK((c.pairs.won == 1 && c.pairs.lost == 0 && c.pairs.tied == 1));
-  CHECK(*c.ratio == Approx((0.5 + 1) / 2));
-  const Cell& cell = ate.lines.at(0).cells.at(1);
-  CHECK((cell.runs == 4 && cell.failed + cell.diverged == 2));
-  CHECK(cell.mark != Mark::value);  // median of 0.1 and a failure
-  CHECK((cell.min == Approx(0.1) && cell.max == Approx(0.1)));
-}
-
 TEST_CASE("comparisons carry the statistics of the study") {
   const Fixture fixture;
   const auto tables = make_tables(fixture.study(), {"ate_m", "ate_deg"});
