@@ -132,6 +132,8 @@ TEST_CASE("an outcome counts under its own key alone") {
   const TemporaryFolder folder;
   CHECK_FALSE(read_outcome(folder.path(), "key").has_value());
   write_outcome(folder.path(), "key", {.status = "failed", .reason = "why", .wall_s = 1.5, .final = true});
+  CHECK_FALSE(read_outcome(folder.path(), "key").has_value());  // its summary is missing
+  write_text(folder / "summary.json", "{}");
   const auto outcome = read_outcome(folder.path(), "key");
   REQUIRE(outcome.has_value());
   CHECK(outcome->status == "failed");
