@@ -11,7 +11,6 @@ void Frame::reserve(std::size_t points) {
   raw_.reserve(points);
   index_.reserve(points);
   body_.reserve(points);
-  deskewed_.reserve(points);
   features_.reserve(points);
   match_feature_.reserve(points);
   match_body_.reserve(points);
@@ -114,13 +113,13 @@ void Frame::deskew_matches(const WindowTrajectory& trajectory) {
       trajectory, T_imu_lidar_, match_raw_.size(),
       [&](std::size_t i) -> const TimedPoint& { return raw_[match_raw_[i]]; },
       [&](std::size_t i, const Vec3& p) {
-        const std::uint32_t raw = match_raw_[i];
-        match_body_[i] = p + (body_[raw] - deskewed_[raw]).cast<double>();
+        match_body_[i] = p;
+        if (!deskewed_.empty()) match_body_[i] += (body_[match_raw_[i]] - deskewed_[match_raw_[i]]).cast<double>();
       });
 }
 
 void Frame::sample_body(SamplerChain& samplers) {
-  deskewed_ = body_;
+  if (samplers.moves_points()) deskewed_ = body_;
   SampleBatch batch{raw_, body_, taps_, features_};
   samplers.sample(Sampler::ActsOn::body, batch);
   list_matches();

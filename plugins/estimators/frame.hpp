@@ -55,7 +55,7 @@ class Frame {
   std::vector<TapMask> taps_;
   std::vector<std::uint8_t> features_;
   std::vector<Eigen::Vector3f> body_;
-  std::vector<Eigen::Vector3f> deskewed_;  ///< body_ before samplers have moved points
+  std::vector<Eigen::Vector3f> deskewed_;  ///< body_ before samplers have moved points; empty where none does
   std::vector<Vec3> match_body_;
   std::vector<float> match_range_;
   std::vector<std::uint32_t> match_raw_;  ///< into raw_

@@ -33,6 +33,7 @@ class VoxelSampler final : public Sampler {
   VoxelSampler(const Params& params, const BuildContext& context);
 
   ActsOn acts_on() const override { return ActsOn::body; }
+  bool moves_points() const override { return keep_ == Keep::mean; }
   /// Points compete within a cube, for each tap among those that still have it. Cubes are aligned to the body frame
   /// at the end of the window. With `mean` they compete once, for all taps. One of the clearest of its class yields to
   /// none but such. Points that are not finite, or 2^20 cubes away, lose the taps.

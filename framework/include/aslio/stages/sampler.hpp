@@ -1,6 +1,7 @@
 #pragma once
 /// Samplers: which points take part? A chain; each member thins the points of the taps it names.
 
+#include <algorithm>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,8 @@ class Sampler : public Stage {
   static constexpr std::string_view family = "samplers";
   enum class ActsOn : std::uint8_t { raw, body };
   virtual ActsOn acts_on() const = 0;
+  /// Whether it may change `body` of points that it keeps.
+  virtual bool moves_points() const { return false; }
   virtual void sample(SampleBatch& batch) = 0;
 };
 
@@ -42,6 +45,9 @@ class SamplerChain {
     for (auto& member : members_) {
       if (member->acts_on() == phase) member->sample(batch);
     }
+  }
+  bool moves_points() const {
+    return std::any_of(members_.begin(), members_.end(), [](const auto& member) { return member->moves_points(); });
   }
 
  private:
