@@ -58,6 +58,7 @@ void VoxelSampler::sample(SampleBatch& batch) {
 void VoxelSampler::start_pass(std::size_t points) {
   const std::size_t wanted = std::bit_ceil(2 * points);   // at most half full
   if (slots_.size() < wanted) slots_.resize(2 * wanted);  // the next larger frame needs no memory
+  if (keep_ == Keep::mean && sums_.size() < slots_.size()) sums_.resize(slots_.size());
   shift_ = 64 - std::countr_zero(wanted);
   if (++pass_ == 0) {
     for (Slot& slot : slots_) slot.pass = 0;
@@ -92,9 +93,14 @@ void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
     std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15ULL) >> shift_;
     while (slots_[at].pass == pass_ && slots_[at].key != key) at = (at + 1) & last;
     Slot& slot = slots_[at];
-    if (slot.pass != pass_) slot = {key, pass_, static_cast<std::uint32_t>(i), squared};
-    slot.points += 1.0f;
-    slot.sum += Eigen::Vector3f(dx, dy, dz);
+    if (slot.pass != pass_) {
+      slot = {key, pass_, static_cast<std::uint32_t>(i), squared};
+      if (keep_ == Keep::mean) sums_[at] = {};
+    }
+    if (keep_ == Keep::mean) {
+      sums_[at].points += 1.0f;
+      sums_[at].distances += Eigen::Vector3f(dx, dy, dz);
+    }
     if (slot.holder == i) continue;
     if (squared < slot.squared) {
       clear(batch.taps[slot.holder], taps);
@@ -116,7 +122,7 @@ void VoxelSampler::move_to_means(SampleBatch& batch) const {
     const Eigen::Vector3f q = p * leaves_per_metre_;
     const Eigen::Vector3f own(from_centre(q.x(), floor_to_int(q.x())), from_centre(q.y(), floor_to_int(q.y())),
                               from_centre(q.z(), floor_to_int(q.z())));
-    p += (slot.sum / slot.points - own) / leaves_per_metre_;
+    p += (sums_[at].distances / sums_[at].points - own) / leaves_per_metre_;
   }
 }
 

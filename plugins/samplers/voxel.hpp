@@ -45,9 +45,13 @@ class VoxelSampler final : public Sampler {
     std::uint64_t key = 0;
     std::uint32_t pass = 0;
     std::uint32_t holder = 0;
-    float squared = 0;                              ///< distance of the holder from the centre of the cube, in leaves^2
-    float points = 0;                               ///< of the cube
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();  ///< of their distances from the centre of the cube, in leaves
+    float squared = 0;  ///< distance of the holder from the centre of the cube, in leaves^2
+  };
+
+  /// Of all points of a cube, for its mean; beside the slots, which are many, where it is asked for.
+  struct Sum {
+    float points = 0;
+    Eigen::Vector3f distances = Eigen::Vector3f::Zero();  ///< from the centre of the cube, in leaves
   };
 
   void compete(SampleBatch& batch, TapMask taps);
@@ -60,6 +64,7 @@ class VoxelSampler final : public Sampler {
   Of of_;
   TapMask taps_;
   std::vector<Slot> slots_;  ///< open addressing; a slot of an older pass is free, so that nothing needs clearing
+  std::vector<Sum> sums_;    ///< of the slots, with `mean`
   std::uint32_t pass_ = 0;
   int shift_ = 0;  ///< of a 64-bit hash to a slot in use
 };
