@@ -34,32 +34,20 @@ void CtIcp::reset(const InitialState& initial) {
   velocity_updates_ = 0;
   state_ = initial.state;
   P_.setZero();
-  accepted_t_ = kTimeMin;
   twist_ = {};
   imu_.reset(initial);
   result_ = Update{};
 }
 
-/// eq. TRJ-2
-NavState CtIcp::predicted(TimeNs t) const {
-  NavState out = state_;
-  const Pose pose = twist_.predict(state_.pose(), to_seconds(t - state_.t));
-  out.t = t;
-  out.R = orthonormalised(pose.R);
-  out.p = pose.p;
-  out.v = out.R * twist_.velocity_in_body();
-  return out;
-}
-
 NavState CtIcp::predict(std::span<const ImuSample> imu) const {
   if (uses_imu()) return imu_.predict(state_, imu);
-  return imu.empty() ? state_ : predicted(imu.back().t);
+  return imu.empty() ? state_ : twist_.predict(state_, imu.back().t);
 }
 
 void CtIcp::propagate(const Window& window) {
   const CpuTimer timer(result_.times.predict);
   begin_ = state_;
-  state_ = uses_imu() ? imu_.propagate(state_, window) : predicted(window.plan.end);
+  state_ = uses_imu() ? imu_.propagate(state_, window) : twist_.predict(state_, window.plan.end);
   prior_ = state_;
   set_path(begin_.pose(), prior_.pose());
 }
@@ -79,16 +67,8 @@ void CtIcp::set_path(const Pose& begin, const Pose& end) {
 }
 
 void CtIcp::load(const Window& window, const HistorySelection& past, const StepContext& context) {
-  {
-    const CpuTimer timer(result_.times.sample);
-    frame_.sample_raw(window.fresh, context.samplers);
-  }
-  {
-    const CpuTimer timer(result_.times.deskew);
-    frame_.deskew(trajectory_);
-  }
+  frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
   const CpuTimer timer(result_.times.sample);
-  frame_.sample_body(context.samplers);
   const std::size_t fresh = frame_.match_body().size(), old = past.points.size();
   fresh_.reserve(fresh, *residual_);
   history_.reserve(std::max(fresh, old), *residual_);
@@ -244,14 +224,12 @@ void CtIcp::accept() {
   } else {
     state_.R = path_.end().R;
     state_.p = path_.end().p;
-    // The first pose is the begin of the world: before it, nothing is known of the motion.
-    if (accepted_t_ != kTimeMin) twist_.learn(accepted_, state_.pose(), to_seconds(state_.t - accepted_t_));
+    twist_.follow(state_.pose(), state_.t);
     state_.v = state_.R * twist_.velocity_in_body();
     const Mat6 bounded = information + 1e-6 * Mat6::Identity();
     P_.topLeftCorner<6, 6>() = bounded.ldlt().solve(Mat6::Identity());
   }
-  accepted_ = state_.pose();
-  accepted_t_ = state_.t;
+  if (uses_imu()) twist_.hold(state_.pose(), state_.t);
   result_.accepted = true;
 }
 
@@ -272,8 +250,7 @@ void CtIcp::refuse(UpdateStatus status) {
   result_.status = status;
   result_.accepted = false;
   set_path(begin_.pose(), prior_.pose());
-  // Unseen space can only become known by inserting it, as long as the prediction is believed.
-  result_.insert = status == UpdateStatus::few_matches && accepted_t_ != kTimeMin && state_.t - accepted_t_ <= kSecond;
+  result_.insert = status == UpdateStatus::few_matches && twist_.believed(state_.t);
 }
 
 const Update& CtIcp::update(const Window& window, const HistorySelection& past, const StepContext& context) {
@@ -291,8 +268,7 @@ const Update& CtIcp::update(const Window& window, const HistorySelection& past, 
   load(window, past, context);
   if (finite && context.map.size() == 0) {
     result_.status = UpdateStatus::initialising;
-    accepted_ = state_.pose();
-    accepted_t_ = state_.t;
+    twist_.hold(state_.pose(), state_.t);
   } else if (finite) {
     iterate(past, context);
   }

@@ -47,7 +47,6 @@ class CtIcp final : public Estimator {
   NavState predict(std::span<const ImuSample> imu) const override;
 
  private:
-  NavState predicted(TimeNs t) const;
   void propagate(const Window& window);
   void set_path(const Pose& begin, const Pose& end);
   void load(const Window& window, const HistorySelection& past, const StepContext& context);
@@ -71,8 +70,6 @@ class CtIcp final : public Estimator {
   int velocity_updates_ = 0;  ///< accepted updates of a dynamic start, with IMU
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
-  TimeNs accepted_t_ = kTimeMin;
-  Pose accepted_;  ///< at that time
   ConstantTwist twist_;
 
   NavState begin_, prior_;  ///< ends of the window before anything was measured

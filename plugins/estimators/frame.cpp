@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "aslio/core/cpu_clock.hpp"
+
 namespace aslio::plugins {
 
 void Frame::reserve(std::size_t points) {
@@ -18,6 +20,20 @@ void Frame::reserve(std::size_t points) {
   match_raw_.reserve(points);
   match_time_.reserve(points);
   for (auto& list : world_) list.reserve(points);
+}
+
+void Frame::load(std::span<const TimedPoint> fresh, const WindowTrajectory& trajectory, SamplerChain& samplers,
+                 StageTimes& times) {
+  {
+    const CpuTimer timer(times.sample);
+    sample_raw(fresh, samplers);
+  }
+  {
+    const CpuTimer timer(times.deskew);
+    deskew(trajectory);
+  }
+  const CpuTimer timer(times.sample);
+  sample_body(samplers);
 }
 
 void Frame::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers) {

@@ -14,6 +14,9 @@ class Frame {
  public:
   explicit Frame(const SensorModel& sensor) : T_imu_lidar_(sensor.T_imu_lidar) {}
 
+  /// sample_raw(), deskew() and sample_body(), each on its clock.
+  void load(std::span<const TimedPoint> fresh, const WindowTrajectory& trajectory, SamplerChain& samplers,
+            StageTimes& times);
   /// Raw phase of the chain over the fresh points; keeps those some tap still wants.
   void sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers);
   /// p_I at the end of the window for every kept point (docs/equations.md DSK-1).

@@ -42,24 +42,15 @@ Icp::Icp(const Params& params, const BuildContext& context)
 void Icp::reset(const InitialState& initial) {
   state_ = initial.state;
   P_.setZero();
-  accepted_t_ = kTimeMin;
   twist_ = {};
   squared_deviations_ = params_.initial_threshold * params_.initial_threshold;
   deviations_ = 1;
   result_ = Update{};
 }
 
-NavState Icp::predicted(TimeNs t) const {
-  NavState out = state_;
-  const Pose pose = twist_.predict(state_.pose(), to_seconds(t - state_.t));
-  out.t = t;
-  out.R = orthonormalised(pose.R);
-  out.p = pose.p;
-  out.v = out.R * twist_.velocity_in_body();
-  return out;
+NavState Icp::predict(std::span<const ImuSample> imu) const {
+  return imu.empty() ? state_ : twist_.predict(state_, imu.back().t);
 }
-
-NavState Icp::predict(std::span<const ImuSample> imu) const { return imu.empty() ? state_ : predicted(imu.back().t); }
 
 /// eq. TRJ-2, in pieces.
 void Icp::propagate(TimeNs end) {
@@ -69,7 +60,7 @@ void Icp::propagate(TimeNs end) {
   const TimeNs length = end - state_.t;
   NavState from = state_;
   for (int i = 1; i <= kPieces; ++i) {
-    const NavState to = predicted(state_.t + length * i / kPieces);
+    const NavState to = twist_.predict(state_, state_.t + length * i / kPieces);
     const Vec3 v = from.R * twist_.velocity_in_body();
     trajectory_.append({from.t, to_seconds(to.t - from.t), from.R, from.p, v, twist_.rate(),
                         from.R * twist_.rate().cross(twist_.velocity_in_body())},
@@ -80,16 +71,8 @@ void Icp::propagate(TimeNs end) {
 }
 
 void Icp::load(const Window& window, const HistorySelection& past, const StepContext& context) {
-  {
-    const CpuTimer timer(result_.times.sample);
-    frame_.sample_raw(window.fresh, context.samplers);
-  }
-  {
-    const CpuTimer timer(result_.times.deskew);
-    frame_.deskew(trajectory_);
-  }
+  frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
   const CpuTimer timer(result_.times.sample);
-  frame_.sample_body(context.samplers);
   const std::size_t fresh = frame_.match_body().size(), old = past.points.size();
   fresh_.reserve(fresh, *residual_);
   history_.reserve(std::max(fresh, old), *residual_);
@@ -177,10 +160,7 @@ void Icp::accept(const Pose& end, const PoseInformation& fresh) {
   const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0];
   if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
   learn_threshold(state_.pose(), end);
-  // The first pose is the begin of the world: before it, nothing is known of the motion.
-  if (accepted_t_ != kTimeMin) twist_.learn(accepted_, end, to_seconds(state_.t - accepted_t_));
-  accepted_ = end;
-  accepted_t_ = state_.t;
+  twist_.follow(end, state_.t);
   state_.R = end.R;
   state_.p = end.p;
   state_.v = end.R * twist_.velocity_in_body();
@@ -194,8 +174,7 @@ void Icp::accept(const Pose& end, const PoseInformation& fresh) {
 void Icp::refuse(UpdateStatus status) {
   result_.status = status;
   result_.accepted = false;
-  // Unseen space can only become known by inserting it, as long as the motion is believed to go on.
-  result_.insert = status == UpdateStatus::few_matches && accepted_t_ != kTimeMin && state_.t - accepted_t_ <= kSecond;
+  result_.insert = status == UpdateStatus::few_matches && twist_.believed(state_.t);
 }
 
 const Update& Icp::update(const Window& window, const HistorySelection& past, const StepContext& context) {
@@ -205,8 +184,7 @@ const Update& Icp::update(const Window& window, const HistorySelection& past, co
   load(window, past, context);
   if (context.map.size() == 0) {
     result_.status = UpdateStatus::initialising;
-    accepted_ = state_.pose();
-    accepted_t_ = state_.t;
+    twist_.hold(state_.pose(), state_.t);
   } else {
     iterate(past, context);
   }

@@ -36,7 +36,6 @@ class Icp final : public Estimator {
   NavState predict(std::span<const ImuSample> imu) const override;
 
  private:
-  NavState predicted(TimeNs t) const;
   void propagate(TimeNs end);
   void load(const Window& window, const HistorySelection& past, const StepContext& context);
   void iterate(const HistorySelection& past, const StepContext& context);
@@ -54,8 +53,6 @@ class Icp final : public Estimator {
 
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
-  TimeNs accepted_t_ = kTimeMin;
-  Pose accepted_;  ///< at that time
   ConstantTwist twist_;
   double squared_deviations_ = 0;
   int deviations_ = 1;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "aslio/core/cpu_clock.hpp"
+#include "estimators/point_matches.hpp"
 
 namespace aslio::plugins {
 
@@ -354,11 +355,8 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   const StateMatrix P = posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
-  const Vec6 scale = direction_scale();
-  const Mat6 scaled = scale.asDiagonal() * last.fresh.A * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
-  for (int i = 0; i < 6; ++i) result_.spectrum[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
-  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * solver.eigenvalues()[0];
+  result_.spectrum = pose_spectrum(last.fresh.A);
+  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0];
   if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
   left_open_ = weakest < 1.0;
 
@@ -410,18 +408,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
     refuse(UpdateStatus::non_finite);
   }
   result_.prior = state_;
-  {
-    const CpuTimer timer(result_.times.sample);
-    frame_.sample_raw(window.fresh, context.samplers);
-  }
-  {
-    const CpuTimer timer(result_.times.deskew);
-    frame_.deskew(trajectory_);
-  }
-  {
-    const CpuTimer timer(result_.times.sample);
-    frame_.sample_body(context.samplers);
-  }
+  frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
   reserve(frame_.match_body().size(), past.points.size());
   load_fresh();
   load_history(past);

@@ -20,27 +20,15 @@ std::uint8_t class_of(std::uint8_t feature) { return static_cast<std::uint8_t>(f
 void ScanMatcher::reset(const InitialState& initial) {
   state_ = initial.state;
   P_.setZero();
-  accepted_t_ = kTimeMin;
   twist_ = {};
   imu_.reset(initial);
   for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.clear();
   result_ = Update{};
 }
 
-/// eq. TRJ-2
-NavState ScanMatcher::predicted(TimeNs t) const {
-  NavState out = state_;
-  const Pose pose = twist_.predict(state_.pose(), to_seconds(t - state_.t));
-  out.t = t;
-  out.R = orthonormalised(pose.R);
-  out.p = pose.p;
-  out.v = out.R * twist_.velocity_in_body();
-  return out;
-}
-
 NavState ScanMatcher::predict(std::span<const ImuSample> imu) const {
   if (uses_imu()) return imu_.predict(state_, imu);
-  return imu.empty() ? state_ : predicted(imu.back().t);
+  return imu.empty() ? state_ : twist_.predict(state_, imu.back().t);
 }
 
 void ScanMatcher::propagate(const Window& window) {
@@ -51,7 +39,7 @@ void ScanMatcher::propagate(const Window& window) {
     prior_ = state_ = imu_.propagate(begin, window, &trajectory_);
     return;
   }
-  prior_ = state_ = predicted(window.plan.end);
+  prior_ = state_ = twist_.predict(state_, window.plan.end);
   const double length = std::max(to_seconds(prior_.t - begin.t), 1e-9);
   trajectory_.append({begin.t, length, begin.R, begin.p, (prior_.p - begin.p) / length,
                       log_so3(begin.R.transpose() * prior_.R) / length, Vec3::Zero()},
@@ -59,16 +47,8 @@ void ScanMatcher::propagate(const Window& window) {
 }
 
 void ScanMatcher::load(const Window& window, const StepContext& context) {
-  {
-    const CpuTimer timer(result_.times.sample);
-    frame_.sample_raw(window.fresh, context.samplers);
-  }
-  {
-    const CpuTimer timer(result_.times.deskew);
-    frame_.deskew(trajectory_);
-  }
+  frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
   const CpuTimer timer(result_.times.sample);
-  frame_.sample_body(context.samplers);
   const auto features = frame_.match_feature();
   for (Kind* kind : {&lines_, &planes_}) {
     if (kind->index.capacity() < features.size()) kind->index.reserve(2 * features.size());
@@ -189,15 +169,13 @@ void ScanMatcher::accept(const Pose& end, const PoseInformation& fresh) {
   result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
   if (uses_imu()) {
     state_ = imu_.correct(prior_, end, information);
+    twist_.hold(end, state_.t);
   } else {
-    // The first pose is the begin of the world: before it, nothing is known of the motion.
-    if (accepted_t_ != kTimeMin) twist_.learn(accepted_, end, to_seconds(state_.t - accepted_t_));
+    twist_.follow(end, state_.t);
     state_.v = end.R * twist_.velocity_in_body();
   }
   state_.R = end.R;
   state_.p = end.p;
-  accepted_ = end;
-  accepted_t_ = state_.t;
   // Known no better than 1e3 (rad, m) where nothing was seen of a direction.
   const Mat6 bounded = information + 1e-6 * Mat6::Identity();
   P_.setZero();
@@ -208,8 +186,7 @@ void ScanMatcher::accept(const Pose& end, const PoseInformation& fresh) {
 void ScanMatcher::refuse(UpdateStatus status) {
   result_.status = status;
   result_.accepted = false;
-  // Unseen space can only become known by inserting it, as long as the motion is believed to go on.
-  result_.insert = status == UpdateStatus::few_matches && accepted_t_ != kTimeMin && state_.t - accepted_t_ <= kSecond;
+  result_.insert = status == UpdateStatus::few_matches && twist_.believed(state_.t);
 }
 
 const Update& ScanMatcher::update(const Window& window, const HistorySelection&, const StepContext& context) {
@@ -220,8 +197,7 @@ const Update& ScanMatcher::update(const Window& window, const HistorySelection&,
   const bool map_is_due = (window.sequence - 1) % static_cast<std::uint32_t>(params_.map_every) == 0;
   if (context.map.size() == 0) {
     result_.status = UpdateStatus::initialising;
-    accepted_ = state_.pose();
-    accepted_t_ = state_.t;
+    twist_.hold(state_.pose(), state_.t);
   } else {
     const bool followed = match_last_sweep();
     const bool matched = map_is_due && match_map(context.map);

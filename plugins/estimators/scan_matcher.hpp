@@ -64,7 +64,6 @@ class ScanMatcher final : public Estimator {
   /// What a step of Gauss-Newton was like.
   enum class Step : std::uint8_t { refused, moved, small };
 
-  NavState predicted(TimeNs t) const;
   void propagate(const Window& window);
   void load(const Window& window, const StepContext& context);
   void list_clearest(Kind& kind);
@@ -86,8 +85,6 @@ class ScanMatcher final : public Estimator {
 
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
-  TimeNs accepted_t_ = kTimeMin;
-  Pose accepted_;  ///< at that time
   ConstantTwist twist_;
 
   NavState prior_;

@@ -212,18 +212,7 @@ const Update& Smoother::update(const Window& window, const HistorySelection&, co
   before_.assign(1, begin_);
   for (std::size_t i = first_; i < slices_.size(); ++i) before_.push_back(slices_[i]->state);
   result_.prior = slices_.back()->state;
-  {
-    const CpuTimer timer(result_.times.sample);
-    frame_.sample_raw(window.fresh, context.samplers);
-  }
-  {
-    const CpuTimer timer(result_.times.deskew);
-    frame_.deskew(carried_);
-  }
-  {
-    const CpuTimer timer(result_.times.sample);
-    frame_.sample_body(context.samplers);
-  }
+  frame_.load(window.fresh, carried_, context.samplers, result_.times);
   frame_.take_as_measured();
   hand_out_points();
   if (!predicted) {
