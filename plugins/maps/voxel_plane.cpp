@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -10,6 +11,8 @@ namespace aslio::plugins {
 namespace {
 
 constexpr std::size_t kQueriesPerChunk = 256;
+/// Points whose voxels are fetched at once: looking for one after the other is waiting for memory.
+constexpr std::size_t kBatch = 32;
 constexpr std::uint32_t kNone = CellIndex::kNone;
 /// Of the variances along the two directions of a plane: a line spans none.
 constexpr double kLeastSpread = 0.05;
@@ -54,8 +57,13 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
 
-std::optional<VoxelCell> VoxelPlane::voxel_of(const Vec3& p_W) const {
-  return cell_of(p_W + params_.voxel * kOffset, 1.0 / params_.voxel);
+inline void VoxelPlane::find_address(const Vec3& p_W, Address& out) const {
+  const auto cell = cell_of(p_W + params_.voxel * kOffset, 1.0 / params_.voxel);
+  out.known = cell.has_value();
+  if (!cell) return;
+  out.cell = *cell;
+  out.key = pack(*cell);
+  index_.prefetch(out.key);
 }
 
 Vec3 VoxelPlane::corner(const VoxelCell& cell) const {
@@ -69,15 +77,26 @@ void VoxelPlane::correspond(std::span<const Vec3> queries, const MapQuery& query
 
 void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
   exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
-    for (std::size_t i = begin; i < end; ++i) out[i] = surface(queries[i], query.max_stamp);
+    std::array<Address, kBatch> addresses;
+    std::array<std::uint32_t, kBatch> roots{};
+    for (std::size_t first = begin; first < end; first += kBatch) {
+      const std::size_t count = std::min(kBatch, end - first);
+      for (std::size_t i = 0; i < count; ++i) find_address(queries[first + i], addresses[i]);
+      for (std::size_t i = 0; i < count; ++i) {
+        roots[i] = addresses[i].known ? index_.find(addresses[i].key) : kNone;
+        if (roots[i] != kNone) __builtin_prefetch(&roots_[roots[i]].node);
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        out[first + i] = surface(queries[first + i], addresses[i].cell, roots[i], query.max_stamp);
+      }
+    }
   });
 }
 
-Surface VoxelPlane::surface(const Vec3& query, std::uint32_t max_stamp) const {
-  const auto cell = voxel_of(query);
-  const std::uint32_t root = cell ? index_.find(pack(*cell)) : kNone;
+Surface VoxelPlane::surface(const Vec3& query, const VoxelCell& cell, std::uint32_t root,
+                            std::uint32_t max_stamp) const {
   if (root == kNone) return {};
-  const Vec3 origin = corner(*cell);
+  const Vec3 origin = corner(cell);
   const Eigen::Vector3f p = (query - origin).cast<float>();
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto edge = static_cast<float>(params_.voxel);
@@ -99,11 +118,19 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
   InsertCount count{points.size(), 0};
   VoxelCell last;
   std::uint32_t root = kNone;
-  for (const WorldPoint& point : points) {
-    const auto cell = voxel_of(point.p_W);
-    if (!cell) continue;  // not finite, or beyond all cells
-    if (root == kNone || *cell != last) root = root_at(last = *cell);
-    count.inserted += add(root, (point.p_W - corner(*cell)).cast<float>()) ? 1U : 0U;
+  std::array<Address, kBatch> addresses;
+  for (std::size_t first = 0; first < points.size(); first += kBatch) {
+    const auto batch = points.subspan(first, std::min(kBatch, points.size() - first));
+    for (std::size_t i = 0; i < batch.size(); ++i) find_address(batch[i].p_W, addresses[i]);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const VoxelCell& cell = addresses[i].cell;
+      if (!addresses[i].known) continue;
+      if (root == kNone || cell != last) {
+        root = root_at(addresses[i]);
+        last = cell;
+      }
+      count.inserted += add(root, (batch[i].p_W - corner(cell)).cast<float>()) ? 1U : 0U;
+    }
   }
   for (const Touched& touched : touched_) {
     fit(touched.node == kNone ? roots_[touched.root].node : nodes_[touched.node], stamp);
@@ -112,9 +139,8 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
   return count;
 }
 
-std::uint32_t VoxelPlane::root_at(const VoxelCell& cell) {
-  const std::uint64_t key = pack(cell);
-  std::uint32_t number = index_.find(key);
+std::uint32_t VoxelPlane::root_at(const Address& address) {
+  std::uint32_t number = index_.find(address.key);
   if (number != kNone) return number;
   if (free_roots_.empty()) {
     number = static_cast<std::uint32_t>(roots_.grow(1));
@@ -122,8 +148,8 @@ std::uint32_t VoxelPlane::root_at(const VoxelCell& cell) {
     number = free_roots_.back();
     free_roots_.pop_back();
   }
-  roots_[number] = {cell, {}, true};
-  index_.insert(key, number);
+  roots_[number] = {address.cell, {}, true};
+  index_.insert(address.key, number);
   ++roots_in_use_;
   return number;
 }

@@ -75,9 +75,17 @@ class VoxelPlane final : public Map {
     std::uint32_t root, node;  ///< node: kNone for that of the root itself
   };
 
-  std::optional<VoxelCell> voxel_of(const Vec3& p_W) const;
+  /// A point, or a query, on its way to its voxel.
+  struct Address {
+    std::uint64_t key = 0;
+    VoxelCell cell;
+    bool known = false;  ///< finite, and within the range of cells
+  };
+
+  /// Into its place: returned in registers, what was just written would be waited for.
+  void find_address(const Vec3& p_W, Address& out) const;
   Vec3 corner(const VoxelCell& cell) const;
-  std::uint32_t root_at(const VoxelCell& cell);
+  std::uint32_t root_at(const Address& address);
   std::uint32_t take_children();
   void give_back(const Node& node);
   bool add(std::uint32_t root, const Eigen::Vector3f& p);
@@ -86,7 +94,7 @@ class VoxelPlane final : public Map {
   bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
   double quality(const Node& node, const Eigen::Vector3f& p) const;
   void drop(std::uint32_t root);
-  Surface surface(const Vec3& query, std::uint32_t max_stamp) const;
+  Surface surface(const Vec3& query, const VoxelCell& cell, std::uint32_t root, std::uint32_t max_stamp) const;
 
   Params params_;
   exec::Executor& exec_;

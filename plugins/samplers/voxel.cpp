@@ -1,5 +1,6 @@
 #include "samplers/voxel.hpp"
 
+#include <array>
 #include <bit>
 
 namespace aslio::plugins {
@@ -72,43 +73,62 @@ bool VoxelSampler::concerns(const SampleBatch& batch, std::size_t i) const {
   return (own & ~feature_class::clearest) == (of_ == Of::line ? feature_class::line : feature_class::plane);
 }
 
+bool VoxelSampler::enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const {
+  if ((batch.taps[i] & taps) == 0 || !concerns(batch, i)) return false;
+  const Eigen::Vector3f p = batch.body[i] * leaves_per_metre_;
+  if (!(p.cwiseAbs().maxCoeff() < kFarthestCell) || !p.allFinite()) {
+    clear(batch.taps[i], taps);
+    return false;
+  }
+  const std::int32_t x = floor_to_int(p.x()), y = floor_to_int(p.y()), z = floor_to_int(p.z());
+  constexpr std::uint64_t kCoordinate = (1U << 21) - 1;
+  candidate.key = ((static_cast<std::uint64_t>(x) & kCoordinate) << 42) |
+                  ((static_cast<std::uint64_t>(y) & kCoordinate) << 21) | (static_cast<std::uint64_t>(z) & kCoordinate);
+  const float dx = from_centre(p.x(), x), dy = from_centre(p.y(), y), dz = from_centre(p.z(), z);
+  const bool clear_one = !batch.features.empty() && (batch.features[i] & feature_class::clearest) != 0;
+  candidate.squared = clear_one ? -1.0f : keep_ == Keep::first ? 0.0f : dx * dx + dy * dy + dz * dz;
+  candidate.from_centre = Eigen::Vector3f(dx, dy, dz);
+  candidate.at = ((candidate.key ^ (candidate.key >> 32)) * 0x9e3779b97f4a7c15ULL) >> shift_;
+  candidate.point = static_cast<std::uint32_t>(i);
+  return true;
+}
+
+void VoxelSampler::challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate) {
+  const std::size_t last = (std::size_t{1} << (64 - shift_)) - 1;
+  std::size_t at = candidate.at;
+  while (slots_[at].pass == pass_ && slots_[at].key != candidate.key) at = (at + 1) & last;
+  Slot& slot = slots_[at];
+  if (slot.pass != pass_) {
+    slot = {candidate.key, pass_, candidate.point, candidate.squared};
+    if (keep_ == Keep::mean) sums_[at] = {};
+  }
+  if (keep_ == Keep::mean) {
+    sums_[at].points += 1.0f;
+    sums_[at].distances += candidate.from_centre;
+  }
+  if (slot.holder == candidate.point) return;
+  if (candidate.squared < slot.squared) {
+    clear(batch.taps[slot.holder], taps);
+    slot.holder = candidate.point;
+    slot.squared = candidate.squared;
+  } else {
+    clear(batch.taps[candidate.point], taps);
+  }
+}
+
 void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
   start_pass(batch.taps.size());
-  const std::size_t last = (std::size_t{1} << (64 - shift_)) - 1;
-  for (std::size_t i = 0; i < batch.taps.size(); ++i) {
-    if ((batch.taps[i] & taps) == 0 || !concerns(batch, i)) continue;
-    const Eigen::Vector3f p = batch.body[i] * leaves_per_metre_;
-    if (!(p.cwiseAbs().maxCoeff() < kFarthestCell) || !p.allFinite()) {
-      clear(batch.taps[i], taps);
-      continue;
+  // By the dozen, so that slots are on their way while others are computed: most of the time was spent waiting for
+  // them.
+  std::array<Candidate, 32> candidates;
+  for (std::size_t i = 0; i < batch.taps.size();) {
+    std::size_t count = 0;
+    for (; i < batch.taps.size() && count < candidates.size(); ++i) {
+      if (!enlist(batch, taps, i, candidates[count])) continue;
+      __builtin_prefetch(&slots_[candidates[count].at], 1);
+      ++count;
     }
-    const std::int32_t x = floor_to_int(p.x()), y = floor_to_int(p.y()), z = floor_to_int(p.z());
-    constexpr std::uint64_t kCoordinate = (1U << 21) - 1;
-    const std::uint64_t key = ((static_cast<std::uint64_t>(x) & kCoordinate) << 42) |
-                              ((static_cast<std::uint64_t>(y) & kCoordinate) << 21) |
-                              (static_cast<std::uint64_t>(z) & kCoordinate);
-    const float dx = from_centre(p.x(), x), dy = from_centre(p.y(), y), dz = from_centre(p.z(), z);
-    const bool clear_one = !batch.features.empty() && (batch.features[i] & feature_class::clearest) != 0;
-    const float squared = clear_one ? -1.0f : keep_ == Keep::first ? 0.0f : dx * dx + dy * dy + dz * dz;
-    std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15ULL) >> shift_;
-    while (slots_[at].pass == pass_ && slots_[at].key != key) at = (at + 1) & last;
-    Slot& slot = slots_[at];
-    if (slot.pass != pass_) {
-      slot = {key, pass_, static_cast<std::uint32_t>(i), squared};
-      if (keep_ == Keep::mean) sums_[at] = {};
-    }
-    if (keep_ == Keep::mean) {
-      sums_[at].points += 1.0f;
-      sums_[at].distances += Eigen::Vector3f(dx, dy, dz);
-    }
-    if (slot.holder == i) continue;
-    if (squared < slot.squared) {
-      clear(batch.taps[slot.holder], taps);
-      slot.holder = static_cast<std::uint32_t>(i);
-      slot.squared = squared;
-    } else {
-      clear(batch.taps[i], taps);
-    }
+    for (std::size_t c = 0; c < count; ++c) challenge(batch, taps, candidates[c]);
   }
   if (keep_ == Keep::mean) move_to_means(batch);
 }

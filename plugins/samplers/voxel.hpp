@@ -48,6 +48,15 @@ class VoxelSampler final : public Sampler {
     float squared = 0;  ///< distance of the holder from the centre of the cube, in leaves^2
   };
 
+  /// A point on its way to its cube.
+  struct Candidate {
+    std::uint64_t key = 0;
+    std::size_t at = 0;  ///< slot to look at first
+    std::uint32_t point = 0;
+    float squared = 0;
+    Eigen::Vector3f from_centre;  ///< of the cube, in leaves
+  };
+
   /// Of all points of a cube, for its mean; beside the slots, which are many, where it is asked for.
   struct Sum {
     float points = 0;
@@ -55,6 +64,9 @@ class VoxelSampler final : public Sampler {
   };
 
   void compete(SampleBatch& batch, TapMask taps);
+  /// Nothing where the point takes no part, or loses its taps for being nowhere.
+  bool enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const;
+  void challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate);
   void move_to_means(SampleBatch& batch) const;
   void start_pass(std::size_t points);
   bool concerns(const SampleBatch& batch, std::size_t i) const;
