@@ -1,5 +1,6 @@
 // Where the first state comes from: verdicts, levelling, which samples count, impossible gravity.
 #include <Eigen/LU>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -53,6 +54,24 @@ TEST_CASE("initialisation without IMU: at the first point, whatever the IMU says
   CHECK(found->initial.state.R == Mat3::Identity());
   CHECK(found->initial.state.p == Vec3::Zero());
   CHECK_THAT(found->verdict, Contains("without IMU"));
+}
+
+TEST_CASE("initialisation: an order seed puts off the first window by less than a sweep, and 0 does not") {
+  CHECK(start_offset(0) == 0);
+  std::vector<TimeNs> offsets;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) offsets.push_back(start_offset(seed));
+  std::sort(offsets.begin(), offsets.end());
+  CHECK(offsets.front() > 0);
+  CHECK(offsets.back() < to_ns(0.1));
+  for (std::size_t i = 1; i < offsets.size(); ++i) CHECK(offsets[i] - offsets[i - 1] < to_ns(0.1) / 8);
+
+  Start start;
+  start.imu(0, 0.3, 0.005, kUp);
+  const auto later = initialise(start.stream, {}, SensorModel{}, to_ns(0.05));
+  REQUIRE(later);
+  CHECK(later->initial.state.t == kEpoch + to_ns(0.15));
+  CHECK_THAT(later->verdict, Contains("over 21 samples"));
+  CHECK(initialise_without_imu(start.stream, to_ns(0.05))->initial.state.t == kEpoch + to_ns(0.05) - 1);
 }
 
 TEST_CASE("initialisation: at rest the mean rate is the gyro bias") {  // eq. INI-2

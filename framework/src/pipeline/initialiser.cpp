@@ -74,16 +74,22 @@ void refuse_impossible_gravity(double norm, bool at_rest) {
 
 }  // namespace
 
+TimeNs start_offset(std::uint64_t order_seed) {
+  constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15;  // of 2^64; the product wraps around
+  constexpr std::uint64_t kLongest = 100'000'000;        // a sweep of most sensors
+  return static_cast<TimeNs>((((order_seed * kGolden) >> 32U) * kLongest) >> 32U);
+}
+
 std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,
-                                         const SensorModel& sensor) {
+                                         const SensorModel& sensor, TimeNs offset) {
   const auto first_point = stream.first_point();
   const auto first_imu = stream.first_imu();
   if (!first_point || !first_imu) return std::nullopt;
   // IMU data before the first point serves as well, when there is some.
-  const TimeNs begin = std::max(*first_imu, *first_point - to_ns(params.time));
+  const TimeNs begin = std::max(*first_imu, *first_point - to_ns(params.time)) + offset;
   const auto samples = stream.imu(begin - 1, kTimeMax);
   const auto enough = std::find_if(samples.begin(), samples.end(), [&](const ImuSample& s) {
-    return s.t >= begin + to_ns(params.time) && s.t >= *first_point;
+    return s.t >= begin + to_ns(params.time) && s.t >= *first_point + offset;
   });
   if (enough == samples.end()) return std::nullopt;
   const auto used = samples.first(static_cast<std::size_t>(enough - samples.begin()) + 1);
@@ -117,11 +123,11 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   return out;
 }
 
-std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream) {
+std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream, TimeNs offset) {
   const auto first_point = stream.first_point();
   if (!first_point) return std::nullopt;
   Initialisation out;
-  out.initial.state.t = *first_point - 1;  // the first window holds the first point
+  out.initial.state.t = *first_point - 1 + offset;  // without one, the first window holds the first point
   out.initial.mode = InitialMode::dynamic_start;
   out.initial.sigma_tilt = std::numbers::pi;
   out.initial.sigma_velocity = 3.0;

@@ -23,6 +23,7 @@ class Odometry::Loop {
   Loop(const PipelineConfig& config, const BuildContext& context, StageSet stages)
       : config_(config),
         sensor_(context.sensor),
+        start_offset_(start_offset(context.order_seed)),
         stages_(std::move(stages)),
         probe_(stream_, *stages_.estimator, *stages_.overlap, context.sensor),
         tracking_(config.max_speed, config.max_silence) {
@@ -94,8 +95,9 @@ class Odometry::Loop {
   bool started() const { return initialisation_.has_value(); }
 
   bool start() {
-    initialisation_ = stages_.estimator->uses_imu() ? initialise(stream_, config_.initialisation, sensor_)
-                                                    : initialise_without_imu(stream_);
+    initialisation_ = stages_.estimator->uses_imu()
+                          ? initialise(stream_, config_.initialisation, sensor_, start_offset_)
+                          : initialise_without_imu(stream_, start_offset_);
     if (!started()) return false;
     stages_.estimator->reset(initialisation_->initial);
     feedback_.t = initialisation_->initial.state.t;
@@ -134,6 +136,7 @@ class Odometry::Loop {
 
   PipelineConfig config_;
   SensorModel sensor_;
+  TimeNs start_offset_;
   stream::MeasurementStream stream_;
   StageSet stages_;
   PriorProbe probe_;

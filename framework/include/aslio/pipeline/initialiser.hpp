@@ -26,13 +26,18 @@ struct Initialisation {
   std::string verdict;  ///< "static: |mean rate| 0.003 rad/s, acc std 0.04 m/s^2 over 21 samples"
 };
 
-/// Tries to find the initial state at or after the first point. Nothing while the IMU data does not yet reach over
-/// `params.time`. Throws DataError when acceleration cannot be gravity in m/s^2 (|mean| outside [7, 13] at rest, [3,
-/// 20] in motion), naming the factor.
-std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,
-                                         const SensorModel& sensor);
+/// How much later the first window begins for an order seed [ns], in [0, 0.1 s): 0 for 0, and spread evenly over any
+/// run of seeds (multiples of the golden ratio).
+TimeNs start_offset(std::uint64_t order_seed);
 
-/// The initial state for an estimator without IMU: at the first point, in the origin of W, the axes of W those of I.
-std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream);
+/// Tries to find the initial state at or after the first point and `offset`. Nothing while the IMU data does not yet
+/// reach over `params.time`. Throws DataError when acceleration cannot be gravity in m/s^2 (|mean| outside [7, 13] at
+/// rest, [3, 20] in motion), naming the factor.
+std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,
+                                         const SensorModel& sensor, TimeNs offset = 0);
+
+/// The initial state for an estimator without IMU: `offset` after the first point, in the origin of W, the axes of W
+/// those of I.
+std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream, TimeNs offset = 0);
 
 }  // namespace aslio::pipeline
