@@ -67,6 +67,16 @@ class ResultsTable(StudyCase):
         study = Study(self.root)
         self.assertEqual([divergence.mark(study, run) for run in study.runs], [None, "x", "-", "x", "-"])
 
+    def test_order_seeds_are_no_replicates(self):
+        self.study("mine", [("a", 1, "m", (1.0,)), ("a", 2, "m", (5.0,)), ("a", 1, "n", (2.0,)), ("a", 2, "n", (4.0,))])
+        lines = (self.root / "results.csv").read_text().splitlines()
+        more = [line.replace(",0,m,ok,,1.0", ",1,m,ok,,9.0").replace(",0,n,ok,,2.0", ",1,n,ok,,6.0") for line in lines[1:] if ",1,0," in line]
+        (self.root / "results.csv").write_text("\n".join([*lines, *more]) + "\n")
+        study = Study(self.root)
+        self.assertEqual(len(study.runs), 6)
+        self.assertEqual(sorted(study.values("m", "a", "ate_m")), [5.0, 5.0])  # of 1 and 9, and 5 alone
+        self.assertEqual(study.pairs("m", "n", "ate_m"), [(5.0, 4.0), (5.0, 4.0)])
+
     def test_five_percent_of_the_way_and_two_metres(self):
         for jump, error, mark in ((5.0, 1.9, None), (5.0, 2.1, "x"), (60.0, 2.9, None), (60.0, 3.1, "-")):
             t = np.arange(0, 70, 0.1)

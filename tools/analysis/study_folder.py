@@ -8,6 +8,7 @@ import json
 import math
 import pathlib
 import re
+import statistics
 
 GOOD = ("ok", "degraded")
 OUTCOMES = {"holds": True, "does not hold": False, "not decided": None}
@@ -44,9 +45,6 @@ class Run:
             return math.inf
         return self.figures.get(metric) if self.good() else math.inf
 
-    def pair_key(self):
-        """Runs of different methods with equal keys are over the same data."""
-        return self.data, self.order_seed
 
 
 def in_order(values):
@@ -120,16 +118,27 @@ class Study:
     def seeds(self):
         return in_order(run.seed for run in self.runs)
 
+    def by_recording(self, method, sequence, metric):
+        """{recording: {order seed: value}}, failures infinite; runs that have no such figure are left out."""
+        found = {}
+        for run in self.of(method, sequence):
+            if run.value(metric) is not None:
+                found.setdefault(run.data, {})[run.order_seed] = run.value(metric)
+        return found
+
     def values(self, method, sequence, metric):
-        """Of all replicates, failures infinite; runs that have no such figure are left out."""
-        found = [run.value(metric) for run in self.of(method, sequence)]
-        return [value for value in found if value is not None]
+        """Of all recordings, each by its median over the order seeds, which are no independent replicates."""
+        return [statistics.median(orders.values()) for orders in self.by_recording(method, sequence, metric).values()]
 
     def pairs(self, method, other, metric, sequence=None):
-        """(value of method, value of other) over the same data and order seed."""
-        others = {run.pair_key(): run.value(metric) for run in self.of(other, sequence)}
-        found = [(run.value(metric), others.get(run.pair_key())) for run in self.of(method, sequence)]
-        return [pair for pair in found if None not in pair]
+        """(value of method, value of other) over the same recording, each by its median over the order seeds that both have."""
+        ours, others = self.by_recording(method, sequence, metric), self.by_recording(other, sequence, metric)
+        found = []
+        for data, orders in ours.items():
+            both = [seed for seed in orders if seed in others.get(data, {})]
+            if both:
+                found.append(tuple(statistics.median(side[data][seed] for seed in both) for side in (ours, others)))
+        return found
 
     def data_file(self, data, name):
         return self.folder / "data" / data / name
