@@ -75,9 +75,9 @@ void write_run(const fs::path& folder, double duration, double rate, double erro
              "{\"status\": \"ok\", \"initialisation\": \"static start\", \"notes\": [\"imu rate: 200 Hz\"]}\n");
 }
 
-void write_map(const fs::path& file) {
+void write_map(const fs::path& file, int points = 4000) {
   const auto writer = io::open_map_writer(file);
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < points; ++i) {
     const double angle = 0.01 * i;
     writer->add(Eigen::Vector3d(8 * std::cos(angle), 8 * std::sin(angle), 0.001 * i).cast<float>(), 1);
   }
@@ -127,6 +127,26 @@ void write_study(const fs::path& folder) {
   write_text(folder / "statistics.csv",
              "metric,sequence,method,baseline,low,high,effect,p,p_holm\nate_m,loop,as_lio,,0.02,0.03,,,\n"
              "ate_m,,as_lio,fixed_10,0.4,inf,-0.5,0.0004,0.125\n");
+}
+
+void write_long_study(const fs::path& folder) {
+  constexpr double kDuration = 500;
+  write_text(folder / "table.md",
+             "# long\n\n**Question.** Does it load?\n\n**Prediction.** Yes.\n\n**Rule.** In time.\n\n"
+             "20 of 20 runs. A cell is.\n\n## ate_m\n\n| sequence | m0 |\n|---|---|\n");
+  std::string csv = "data,sequence,seed,order_seed,method,status,reason,ate_m,ate_deg,rate_hz,cpu_s_per_s\n";
+  for (const char* data : {"way_1", "way_2"}) {
+    fs::create_directories(folder / "data" / data);
+    io::write_tum(folder / "data" / data / "truth.tum", poses(kDuration, 200, 0));
+    for (int m = 0; m < 10; ++m) {
+      const std::string method = fmt::format("m{}", m);
+      csv += fmt::format("{},way,{},0,{},ok,,{},0.1,20,0.05\n", data, data[4], method, 0.01 * (m + 1));
+      write_run(folder / "runs" / data / method, kDuration, 20, 0.01 * (m + 1), "  type: fixed\n  period: 0.05\n");
+      write_map(folder / "runs" / data / method / "map.ply", 200'000);
+    }
+  }
+  write_text(folder / "results.csv", csv);
+  write_text(folder / "statistics.csv", "metric,sequence,method,baseline,low,high,effect,p,p_holm\n");
 }
 
 }  // namespace aslio::test

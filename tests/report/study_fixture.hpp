@@ -15,6 +15,9 @@ inline constexpr const char* kHostileText = "</script><script>fail()</script><!-
 /// has a map; the hostile method diverged on one recording and has left nothing on another.
 void write_study(const std::filesystem::path& folder);
 
+/// Twenty runs of 500 m, each with a map: two recordings of 500 s, ten methods.
+void write_long_study(const std::filesystem::path& folder);
+
 void write_text(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace aslio::test

@@ -52,7 +52,7 @@ function axis(extra) {
 
 /** Linear where the values span little, as powers of ten would leave most of the chart empty. */
 function fitAxis(name, values, extra) {
-  const low = Math.min(...values), high = Math.max(...values);
+  const low = values.length ? Math.min(...values) : 0, high = values.length ? Math.max(...values) : 1;
   return high / low > 30 ? logAxis(name, extra) : axis({type: 'value', name, scale: true, ...extra});
 }
 
@@ -99,7 +99,7 @@ function frontOptions(study, choice) {
     const values = t.lines.map((line) => line.cells[m].median).filter((v) => v > 0);
     return values.length ? Math.exp(values.reduce((sum, v) => sum + Math.log(v), 0) / values.length) : null;
   };
-  const points = study.methods.map((name, m) => ({name, m, failed: table.lines.some((line) => !['value', 'absent'].includes(line.cells[m].mark)),
+  const points = study.methods.map((name, m) => ({name, m, failed: table.lines.filter((line) => !['value', 'absent'].includes(line.cells[m].mark)).length,
     value: [mean(cost, m), table.scale * mean(table, m)]})).filter((p) => !choice.get('hidden').has(p.m) && p.value[0] && p.value[1]);
   const clouds = points.map(({m}) => ({type: 'scatter', symbolSize: 4, silent: true, itemStyle: {color: colourOf(m), opacity: 0.3},
     data: study.runs.filter((run) => run.method === study.methods[m] && run.good)
@@ -113,11 +113,12 @@ function frontOptions(study, choice) {
     xAxis: fitAxis('CPU [s per s of data]', all.map((v) => v[0]), {nameLocation: 'middle', nameGap: 26}),
     yAxis: fitAxis(heading(table), all.map((v) => v[1]), {}),
     series: [...clouds, {type: 'line', data: front, symbol: 'none', silent: true, step: 'end', lineStyle: {color: ink('muted'), type: 'dashed', width: 1}},
-      {type: 'scatter', data: points.map((p) => ({value: p.value, name: p.name, symbolSize: 13, symbol: p.failed ? 'emptyCircle' : 'circle',
+      {type: 'scatter', data: points.map((p) => ({value: p.value, name: p.name, failed: p.failed, symbolSize: 13, symbol: p.failed ? 'emptyCircle' : 'circle',
         itemStyle: {color: colourOf(p.m), borderColor: ink('card'), borderWidth: 1},
         label: {show: true, formatter: () => p.name, position: p.side, color: ink('text'), fontSize: 11}})),
       labelLayout: {hideOverlap: false, moveOverlap: 'shiftY'},
-      tooltip: {formatter: ({name, value}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`}}],
+      tooltip: {formatter: ({name, value, data}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`
+        + (data.failed ? `, without the ${data.failed} of ${table.lines.length} sequences that failed` : '')}}],
   };
 }
 
@@ -128,7 +129,7 @@ function heatOptions(study, choice) {
   const reach = ratio ? Math.max(Math.min(Math.max(...values.map(Math.abs), 0.1), 2), 0.1) : null;
   const colours = ratio ? (dark() ? ['#2f9e74', '#23262d', '#d0653d'] : ['#1b8a5f', '#f7f5f0', '#cf5a2b'])
     : (dark() ? ['#1c2f4a', '#58aef2'] : ['#eef4fb', '#0b6bb5']);
-  const low = Math.min(...values), high = Math.max(...values);
+  const low = values.length ? Math.min(...values) : 0, high = values.length ? Math.max(...values) : 1;
   const middle = (low + high) / 2;
   const label = ({data}) => data.text;
   return {
@@ -138,7 +139,9 @@ function heatOptions(study, choice) {
     visualMap: {min: ratio ? -reach : low, max: ratio ? reach : Math.max(high, low + 1e-9), calculable: false, orient: 'horizontal', left: 'center', bottom: 0,
       itemHeight: 120, itemWidth: 10, inRange: {color: colours}, textStyle: {color: ink('muted'), fontSize: 11},
       text: ratio ? ['worse', 'better'] : [brief(high), brief(low)]},
-    series: [{type: 'heatmap', data: cells.map((cell) => ({...cell, label: {color: labelInk(cell.value[2], ratio, reach, middle)}})),
+    // What failed has the colour of the worst.
+    series: [{type: 'heatmap', data: cells.map((cell) => (cell.failed ? {...cell, value: [...cell.value.slice(0, 2), Math.max(high, low + 1e-9)]} : cell))
+      .map((cell) => ({...cell, label: {color: labelInk(cell.value[2], ratio, reach, middle)}})),
       label: {show: true, formatter: label, fontSize: 11}, itemStyle: {borderColor: ink('card'), borderWidth: 2},
       tooltip: {formatter: ({data}) => data.note}}],
   };
@@ -166,7 +169,7 @@ export function chartsSection(study, choice) {
   const heatCard = h('div', {class: 'card'}, h('h3', null, study.axes.length ? 'Over the axes of the study' : 'Ratio to the baseline'),
     h('p', {class: 'note'}, heatData(study, table(), new Set()).words), heat.place);
   const frontCard = front && h('div', {class: 'card'}, h('h3', null, 'Cost against accuracy'),
-    h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs; hollow: some sequence failed. The dashed line is the front.'), front.place);
+    h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs. Hollow: sequences failed, the place is of the others alone, and it cannot be on the front (dashed).'), front.place);
   choice.on(['metric', 'hidden', 'theme', 'logBoxes'], draw);
   queueMicrotask(draw);
   return section('charts', 'Distribution, ablation, cost', ['Of the figure chosen in the results: ', titles],

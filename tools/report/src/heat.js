@@ -26,12 +26,15 @@ function overAxes(study, table, hidden) {
     const medians = table.lines.map((line) => line.cells[m].median).filter((v) => v > 0);
     const failed = table.lines.filter((line) => ['failed', 'diverged'].includes(line.cells[m].mark)).length;
     const value = geometricMean(medians);
-    const text = Number.isFinite(value) ? shown(table, value) + (failed ? ` ${failed}x` : '') : 'x';
-    cells.push({value: [columns.indexOf(column), rows.indexOf(row), table.scale * value], text,
-      note: `${method}\n${text} ${table.unit}${failed ? `\n${failed} sequences failed` : ''}`});
+    if (!failed && !Number.isFinite(value)) return;  // nothing run yet
+    // A mean over what did not fail would make failing pay.
+    const rest = Number.isFinite(value) ? `${shown(table, value)} ${table.unit}` : 'no figure';
+    cells.push({value: [columns.indexOf(column), rows.indexOf(row), failed ? NaN : table.scale * value], failed: failed > 0,
+      text: failed ? `${failed}x` : shown(table, value),
+      note: `${method}\n${failed ? `${failed} of ${table.lines.length} sequences failed; the others: ${rest}` : rest}`});
   });
   return {columns, rows, cells, ratio: false,
-    words: 'Geometric mean over the sequences of the medians; 2x: two sequences failed.'};
+    words: 'Geometric mean over the sequences of the medians; 2x: two sequences failed, which is worse than any figure.'};
 }
 
 /** The reference of a line: the baseline of the method, or the best of the line where the study names none. */
