@@ -57,12 +57,17 @@ TEST_CASE("a method that does not finish is a row with its reason, and the study
                              !Contains(".partial-"));
   }
 
-  // What a machine may have caused is tried again, what the method did is not.
+  // What the method did it would do again; what could not be read may be there by now.
   std::vector<std::string> again = arguments(folder);
   again.push_back("--dry-run");
   const Ended dry = run_aslio(again);
-  CHECK_THAT(dry.out,
-             Contains("q_1/crash: to run") && Contains("q_1/blind: finished") && Contains("q_1/good: finished"));
+  CHECK_THAT(dry.out, Contains("q_1/crash: finished") && Contains("q_1/memory: finished") &&
+                          Contains("q_1/blind: finished") && Contains("q_1/lost: to run") &&
+                          Contains("q_1/good: finished"));
+  again.push_back("--retry");
+  const Ended retry = run_aslio(again);
+  CHECK_THAT(retry.out, Contains("q_1/crash: to run") && Contains("q_1/memory: to run") &&
+                            Contains("q_1/blind: finished") && Contains("q_1/good: finished"));
 }
 
 TEST_CASE("a method that hangs is ended at the time limit") {
@@ -72,6 +77,17 @@ TEST_CASE("a method that hangs is ended at the time limit") {
   INFO(ended.err);
   CHECK(ended.code == 1);
   CHECK_THAT(content(folder / "out/table.md"), Contains("| q_1 | hang | timeout | longer than 1 s |"));
+
+  // It is made again where it has more time, and only there.
+  std::vector<std::string> dry = arguments(folder);
+  dry.push_back("--dry-run");
+  const auto with_limit = [&](const std::string& limit) {
+    write_text(folder / "study.yaml", head() + quickstart() + faulty("hang") + "time_limit: " + limit + "\n");
+    return run_aslio(dry).out;
+  };
+  CHECK_THAT(with_limit("1"), Contains("q_1/hang: finished"));
+  CHECK_THAT(with_limit("0.5"), Contains("q_1/hang: finished"));
+  CHECK_THAT(with_limit("2"), Contains("q_1/hang: to run"));
 }
 
 TEST_CASE("a simulation that fails is the reason of every run that needed it") {

@@ -31,7 +31,7 @@ struct Arguments {
   int jobs = 1, throttle = 100;
   double poll = 10;
   double scale = 1;
-  bool keep_data = false, dry_run = false, quiet = false;
+  bool keep_data = false, retry = false, dry_run = false, quiet = false;
 };
 
 std::optional<std::vector<std::uint64_t>> seeds_of(const std::string& text) {
@@ -60,7 +60,7 @@ void print_plan(const experiment::Study& study, const experiment::StudyOptions& 
     for (std::size_t i = 0; i < runs.size(); ++i) {
       if (!selected[i]) continue;
       const auto outcome = experiment::read_outcome(runs_folder / study.data[d].name / runs[i].folder, runs[i].key);
-      const bool done = outcome && outcome->final;
+      const bool done = outcome && stands(*outcome, study, options);
       ++(done ? finished : open);
       text += fmt::format("{}/{}: {}\n", study.data[d].name, runs[i].folder, done ? "finished" : "to run");
     }
@@ -150,6 +150,7 @@ int run_experiment(const Arguments& a) {
   if (!a.data.empty()) options.data = a.data;
   options.jobs = a.jobs;
   options.keep_data = a.keep_data;
+  options.retry = a.retry;
   options.only = a.only;
   options.recording = recording_of(study, a.recording);
   options.program = program_identity(stages);
@@ -201,6 +202,7 @@ void add_options(CLI::App& app, Arguments& a) {
       ->check(seconds(true))
       ->capture_default_str();
   app.add_flag("--keep-data", a.keep_data, "keeps simulated data when their last run has ended");
+  app.add_flag("--retry", a.retry, "makes again what failed, crashed or met a limit, too");
   app.add_flag("--dry-run", a.dry_run, "checks everything, tells the runs and what is finished of them, runs nothing");
   add_plugin_option(app, a.plugins);
   app.add_flag("--quiet", a.quiet, "no progress and no report; errors remain");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 
@@ -24,6 +25,13 @@ std::string complaint(const fs::path& log) {
     if (line.starts_with("error: ")) return line.substr(7);
   }
   return {};
+}
+
+/// The same program faults again on the same data; what came from outside (the system's own memory limit: SIGKILL) may
+/// not.
+bool is_fault(int signal) {
+  return signal == SIGSEGV || signal == SIGABRT || signal == SIGFPE || signal == SIGILL || signal == SIGBUS ||
+         signal == SIGSYS || signal == SIGTRAP;
 }
 
 /// Outcome of a child that ended by itself.
@@ -71,14 +79,19 @@ StudyOutcome judge_run(const ChildEnd& end, const fs::path& folder, const fs::pa
     case ChildEnd::Cause::time_limit:
       outcome.status = "timeout";
       outcome.reason = fmt::format("longer than {:g} s", config.time_limit);
+      outcome.limit = config.time_limit;
+      outcome.final = true;
       break;
     case ChildEnd::Cause::memory_limit:
       outcome.status = "memory";
       outcome.reason = fmt::format("more than {:g} MB", config.memory_limit);
+      outcome.limit = config.memory_limit;
+      outcome.final = true;
       break;
     case ChildEnd::Cause::signal:
       outcome.status = "crashed";
       outcome.reason = exit_text(end, log);
+      outcome.final = is_fault(end.code);
       break;
     case ChildEnd::Cause::exit:
       outcome = judge_exit(end, folder, log);

@@ -68,6 +68,13 @@ std::optional<double> StudyRow::figure(std::string_view name) const {
   return at != figures.end() ? std::optional(at->second) : std::nullopt;
 }
 
+bool StudyOutcome::stands(const StudyConfig& config) const {
+  if (!final) return false;
+  if (status == "timeout") return config.time_limit > 0 && config.time_limit <= limit;
+  if (status == "memory") return config.memory_limit > 0 && config.memory_limit <= limit;
+  return true;
+}
+
 bool failed_late(std::string_view status, const std::optional<double>& failed_at) {
   return failed_at ? *failed_at >= kEarlyShare : status == "diverged";
 }
@@ -77,7 +84,8 @@ void write_outcome(const fs::path& folder, const std::string& key, const StudyOu
                      {"status", outcome.status},
                      {"reason", outcome.reason},
                      {"wall_s", outcome.wall_s},
-                     {"final", outcome.final}};
+                     {"final", outcome.final},
+                     {"limit", outcome.limit}};
   io::AtomicFile file(folder / kKeyFile);
   file.write(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   file.close_durably();
@@ -90,9 +98,11 @@ std::optional<StudyOutcome> read_outcome(const fs::path& folder, const std::stri
   const StudyOutcome outcome{.status = text_of(*json, "status"),
                              .reason = text_of(*json, "reason"),
                              .wall_s = number_of(*json, "wall_s").value_or(0),
-                             .final = final != json->end() && final->is_boolean() && final->get<bool>()};
+                             .final = final != json->end() && final->is_boolean() && final->get<bool>(),
+                             .limit = number_of(*json, "limit").value_or(0)};
   if (outcome.status.empty()) return std::nullopt;
-  if (outcome.final && !read_json(folder / "summary.json")) return std::nullopt;
+  const bool has_summary = outcome.status != "crashed" && outcome.status != "timeout" && outcome.status != "memory";
+  if (outcome.final && has_summary && !read_json(folder / "summary.json")) return std::nullopt;
   return outcome;
 }
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -67,7 +68,7 @@ class Schedule {
     data_.resize(study.data.size());
     states_.resize(result_.runs.size(), RunState::skipped);
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
-      if (result_.rows[i] && result_.rows[i]->outcome.final) {
+      if (result_.rows[i] && stands(result_.rows[i]->outcome, study, options)) {
         states_[i] = RunState::finished;
       } else if (selected[i] && is_ours(result_.runs[i].data)) {
         states_[i] = RunState::waiting;
@@ -196,7 +197,7 @@ class Schedule {
       if (run.data != d || states_[i] != RunState::waiting || !read_outcome(final_folder(i), {})) continue;
       run.key = run_key(study_, result_.runs, run, options_.program, runs_folder_);
       const auto outcome = read_outcome(final_folder(i), run.key);
-      if (outcome && outcome->final) close_run(i, read_row(final_folder(i), *outcome));
+      if (outcome && outcome->stands(study_.config)) close_run(i, read_row(final_folder(i), *outcome));
     }
   }
 
@@ -416,6 +417,12 @@ class Schedule {
 std::size_t StudyResult::failures() const {
   return static_cast<std::size_t>(
       std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row && !row->good(); }));
+}
+
+bool stands(const StudyOutcome& outcome, const Study& study, const StudyOptions& options) {
+  const std::array<std::string_view, 4> again = {"failed", "crashed", "timeout", "memory"};
+  if (options.retry && std::find(again.begin(), again.end(), outcome.status) != again.end()) return false;
+  return outcome.stands(study.config);
 }
 
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,

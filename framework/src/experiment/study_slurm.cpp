@@ -63,7 +63,7 @@ class Cluster {
     attempts_.assign(study.data.size(), 0);
     open_.resize(study.data.size());
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
-      if (!selected_[i] || (result_.rows[i] && result_.rows[i]->outcome.final)) continue;
+      if (!selected_[i] || (result_.rows[i] && stands(result_.rows[i]->outcome, study, options))) continue;
       open_[result_.runs[i].data].push_back(i);
       result_.rows[i].reset();
       ++total_;

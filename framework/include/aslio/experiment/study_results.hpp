@@ -16,7 +16,11 @@ namespace aslio::experiment {
 struct StudyOutcome {
   std::string status, reason;
   double wall_s = 0;
-  bool final = false;  ///< another run would end in the same way: it ended by itself, with a summary
+  bool final = false;  ///< another run would end in the same way, under the same limits
+  double limit = 0;    ///< of `timeout` and `memory`: that of the study [s, MB]
+
+  /// Whether another call keeps it: it is final, and what it met is a limit still.
+  bool stands(const StudyConfig& config) const;
 };
 
 /// A run with its figures.

@@ -17,6 +17,7 @@ struct StudyOptions {
   std::optional<std::filesystem::path> data;
   int jobs = 1;  ///< child processes at once
   bool keep_data = false;
+  bool retry = false;                    ///< failed and crashed runs, and those that met a limit, are made again
   std::string only;                      ///< glob of select_runs()
   std::string program;                   ///< identity of this program, for plan_runs()
   std::vector<std::string> run_options;  ///< further options of every run, as `--plugin FILE`
@@ -56,6 +57,9 @@ struct StudyResult {
 
   std::size_t failures() const;
 };
+
+/// Whether a call with these options keeps an earlier outcome.
+bool stands(const StudyOutcome& outcome, const Study& study, const StudyOptions& options);
 
 /// What an earlier call with the same data, configuration and program has left in `output`. Rows whose outcome is not
 /// final are made again. `recording`: of this one alone, unless empty.
