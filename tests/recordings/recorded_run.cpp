@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "aslio/core/sha256.hpp"
+#include "aslio/io/writers.hpp"
 #include "recordings/unpacked.hpp"
 #include "register_all.hpp"
 
@@ -53,6 +54,7 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
   RecordedRun out;
   out.summary = experiment::run(options, catalog, monitor, log).summary;
   out.trajectory_sha256 = sha256_of_file(output / "trajectory.tum");
+  out.lidar = Trajectory(io::read_tum(output / "trajectory_lidar.tum"));
   out.update_times = read_update_times(output / "updates.csv");
   fs::remove_all(output);
   return out;

@@ -21,6 +21,7 @@ struct RecordedRun {
   experiment::Summary summary;
   std::string trajectory_sha256;     ///< of trajectory.tum
   std::vector<TimeNs> update_times;  ///< ends of the windows, from updates.csv
+  Trajectory lidar;                  ///< of the LiDAR, from trajectory_lidar.tum
   double ate_m() const { return summary.evaluation.value().ate.translation.rmse; }
   double cpu_per_s() const { return summary.cpu_s / summary.data_s; }
 };

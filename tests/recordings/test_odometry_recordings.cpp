@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "aslio/evaluation/evaluation.hpp"
+#include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
 #include "recordings/recorded_run.hpp"
 #include "recordings/unpacked.hpp"
@@ -208,6 +210,42 @@ TEST_CASE("fast_lio2 does as well as the published program and costs half of it"
 TEST_CASE("faster_lio does as well as the published program and costs half of it") { check_published(kFasterLio); }
 
 TEST_CASE("point_lio does as well as the published program and costs half of it") { check_published(kPointLio); }
+
+TEST_CASE(
+    "kiss_icp follows the published program within 15 cm on the KITTI drive; on the corridor it is lost, and says so") {
+  const RecordedRun drive = run_on_kitti("kiss_icp");
+  CHECK(drive.summary.status == pipeline::RunStatus::ok);
+  const Trajectory published(io::read_tum(recorded("reference/kitti_0005/kiss_icp.tum")));
+  const auto options = experiment::measuring_options(published, evaluation::Rule::interpolated);
+  CHECK(evaluation::evaluate(drive.lidar, published, options).ate.translation.rmse <= 0.15);
+  CHECK(run_on_kitti("kiss_icp", 2).trajectory_sha256 == drive.trajectory_sha256);
+
+  const RecordedRun corridor = run_on_avia("kiss_icp");
+  CHECK(corridor.summary.status == pipeline::RunStatus::diverged);
+  CHECK_FALSE(corridor.summary.reason.empty());
+}
+
+TEST_CASE("the systems without a published run stay whole on the corridor and next to FAST-LIO2 on the KITTI drive") {
+  struct Limits {
+    const char* pipeline;
+    double corridor, drive;  ///< ATE [m]
+  };
+  // As docs/systems.md has them, and a quarter or 1 cm more, whichever is larger.
+  for (const Limits& limits :
+       {Limits{"ct_icp", 0.235, 0.04}, Limits{"ct_icp_imu", 0.057, 0.04}, Limits{"sr_lio", 0.073, 0.041},
+        Limits{"fr_lio", 0.029, 0.047}, Limits{"as_lio_on_ct_icp", 0.029, 0.056},
+        Limits{"as_lio_on_ivox", 0.017, 0.036}, Limits{"as_lio_on_pointwise_eskf", 0.026, 0.031},
+        Limits{"as_lio_on_smoother", 0.015, 0.037}}) {
+    INFO(limits.pipeline);
+    const RecordedRun run = run_on_avia(limits.pipeline);
+    check_whole(run);
+    CHECK(run.ate_m() <= limits.corridor);
+    CHECK(run_on_avia(limits.pipeline, 2).trajectory_sha256 == run.trajectory_sha256);
+    const RecordedRun drive = run_on_kitti(limits.pipeline);
+    CHECK((drive.summary.status == pipeline::RunStatus::ok || drive.summary.status == pipeline::RunStatus::degraded));
+    CHECK(drive.ate_m() <= limits.drive);
+  }
+}
 
 TEST_CASE("loam and lio_sam stay within 5 cm of FAST-LIO2 on the KITTI drive, with one thread as with two") {
   for (const char* pipeline : {"loam", "lio_sam"}) {
