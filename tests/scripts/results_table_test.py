@@ -67,6 +67,17 @@ class ResultsTable(StudyCase):
         study = Study(self.root)
         self.assertEqual([divergence.mark(study, run) for run in study.runs], [None, "x", "-", "x", "-"])
 
+    def test_many_failures_are_counted_and_values_are_chosen(self):
+        self.study("mine", [("a", seed, m, (0.1, 0.2), "ok" if seed > failed else "diverged")
+                            for m, failed in (("good", 0), ("bad", 7), ("worse", 9)) for seed in range(1, 11)], figures=("ate_m", "ate_deg"))
+        code, out, _ = printed(results_table.main, self.root, "--values", "ate_deg")
+        self.assertEqual(code, 0)
+        self.assertIn("30 runs, 16 failed: bad 7 of 10, worse 9 of 10 (reasons: `table.md`).", out)
+        self.assertEqual((out.count("| ATE [m] |"), out.count("| rotation [deg] |")), (1, 2))  # of the medians, and by seed
+        with self.assertRaises(SystemExit) as end:
+            printed(results_table.main, self.root, "--values", "nonsense")
+        self.assertEqual(end.exception.code, 2)
+
     def test_order_seeds_are_no_replicates(self):
         self.study("mine", [("a", 1, "m", (1.0,)), ("a", 2, "m", (5.0,)), ("a", 1, "n", (2.0,)), ("a", 2, "n", (4.0,))])
         lines = (self.root / "results.csv").read_text().splitlines()

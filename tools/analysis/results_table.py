@@ -133,13 +133,25 @@ def all_values(study, metrics):
     return "<details><summary>All values by seed</summary>\n\n" + "\n\n".join(tables) + "\n\n</details>"
 
 
+MOST_TOLD = 8
+
+
+def told_failures(study):
+    """Each with its reason; of many, how many of which method."""
+    failures = study.failures()
+    if len(failures) <= MOST_TOLD:
+        return "; ".join(f"{run.data}/{run.method}: {run.status}" + (f" ({run.reason})" if run.reason else "") for run in failures)
+    counts = [(method, len(study.failures(method)), len(study.of(method))) for method in study.methods]
+    return ", ".join(f"{method} {failed} of {runs}" for method, failed, runs in counts if failed) + " (reasons: `table.md`)"
+
+
 def section(study, metrics, options):
     metrics = [metric for metric in metrics if any(run.figures.get(metric) is not None for run in study.runs)]
     told_marks = "end_to_end_m" in metrics
     if told_marks:
         divergence.set_marks(study)
     failures = study.failures()
-    told = "; ".join(f"{run.data}/{run.method}: {run.status}" + (f" ({run.reason})" if run.reason else "") for run in failures)
+    told = told_failures(study)
     made = revisions(study)
     extent = f"{len(study.runs)} runs" + (f" of {study.planned}" if len(study.runs) < study.planned else "")
     extent += f", {len(failures)} failed" + (f": {told}" if told else "") + "."
@@ -148,7 +160,7 @@ def section(study, metrics, options):
     extent += f" Revision {', '.join(made)}." if made else ""
     parts = [f"## Study `{study.name}`", study.question, command(study), extent, verdict(study, options),
              "Median (smallest to largest) over seeds:", summary(study, metrics), FOOTNOTE if told_marks else "",
-             all_values(study, metrics)]
+             all_values(study, [metric for metric in metrics if metric in (options.values or metrics)])]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -166,14 +178,17 @@ def arguments(words):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("studies", nargs="+", help="output folders of aslio experiment")
     parser.add_argument("--metrics", default=USUAL, help=f"of {', '.join(METRICS)}; default {USUAL}")
+    parser.add_argument("--values", help="those whose values by seed are listed, too; default: all of --metrics")
     parser.add_argument("--into", metavar="FILE", help="document whose sections are renewed; without, they go to stdout")
     parser.add_argument("--best-fixed", metavar="METHOD", help="as for decide.py")
     parser.add_argument("--tuning", metavar="STUDY", help="as for decide.py")
     options = parser.parse_args(words)
     options.metrics = options.metrics.split(",")
-    unknown = [metric for metric in options.metrics if metric not in METRICS]
-    if unknown:
-        parser.error(f"--metrics: {', '.join(unknown)} is none of {', '.join(METRICS)}")
+    options.values = options.values.split(",") if options.values else None
+    for option, metrics in (("--metrics", options.metrics), ("--values", options.values or [])):
+        unknown = [metric for metric in metrics if metric not in METRICS]
+        if unknown:
+            parser.error(f"{option}: {', '.join(unknown)} is none of {', '.join(METRICS)}")
     return options
 
 
