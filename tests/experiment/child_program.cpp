@@ -82,7 +82,7 @@ int run(const std::vector<std::string>& words) {
   const std::string name = output.filename();
   const std::string method = name.substr(1, name.find(".partial-") - 1);
   if (!fs::exists(data / "dataset.yaml") || !fs::exists(data / "data.bag")) return 3;
-  pause_ms(method == "patient" ? 500 : 15);
+  pause_ms(method == "patient" ? 1000 : 15);
   std::string text = summary(std::to_string(figure(data.filename().string() + method + option(words, "--seed"))));
   int code = 0;
   if (method == "segv") ::raise(SIGSEGV);
