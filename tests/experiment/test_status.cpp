@@ -71,8 +71,12 @@ TEST_CASE("the status of a study tells what is finished, what runs and what wait
   CHECK_THAT(text, Contains("scene_a   1/4  1/4 1x  0/4 1r") && Contains("12 runs: 1 finished, 1 failed, 1 running") &&
                        Contains("scene_a_1/hang, for ") &&
                        Contains("scene_a_1/mute: failed (exit code 1 without a complaint)"));
-  // Killed: what was running waits again.
-  const StudyStatus after = read_status(output);
+  // Killed: what was running waits again. A child that was just begun holds the lock until it is gone, too.
+  StudyStatus after = read_status(output);
+  for (int i = 0; i < 1000 && after.at_work; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    after = read_status(output);
+  }
   CHECK_FALSE(after.at_work);
   CHECK(after.total.running == 0);
   CHECK(after.total.waiting == 10);
