@@ -65,6 +65,15 @@ TEST_CASE("a method that does not finish is a row with its reason, and the study
                           Contains("q_1/blind: finished") && Contains("q_1/lost: to run") &&
                           Contains("q_1/good: finished"));
   again.push_back("--retry");
+  const fs::path crashed = folder.path() / "out/runs/q_1/crash/run_key.json";
+  const auto written = fs::last_write_time(crashed);
+  std::vector<std::string> once_more = arguments(folder);
+  once_more.insert(once_more.end(), {"--only", "q_1/crash"});
+  CHECK(run_aslio(once_more).code == 1);
+  CHECK(fs::last_write_time(crashed) == written);
+  once_more.push_back("--retry");
+  CHECK(run_aslio(once_more).code == 1);
+  CHECK(fs::last_write_time(crashed) > written);
   const Ended retry = run_aslio(again);
   CHECK_THAT(retry.out, Contains("q_1/crash: to run") && Contains("q_1/memory: to run") &&
                             Contains("q_1/blind: finished") && Contains("q_1/good: finished"));

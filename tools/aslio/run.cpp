@@ -139,7 +139,9 @@ void add_options(CLI::App& app, Arguments& a) {
       ->check(CLI::ExistingFile);
   app.add_option("--save-map", a.save_map, "writes the points of all updates to this .ply or .pcd file");
   app.add_flag("--dense", a.dense, "also writes trajectory_dense.tum, with every state the estimator emits");
-  app.add_option("--seed", a.seed, "phase of the point strides: replicates differ in it")
+  app.add_option(
+         "--seed", a.seed,
+         "offset of the first window (0 to 0.1 s; none for 0) and phase of the point strides: replicates differ in it")
       ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
   add_plugin_option(app, a.plugins);

@@ -37,6 +37,11 @@ bool append_range(std::string_view text, std::vector<std::uint64_t>& seeds) {
   return seeds.size() <= kMostSeeds;
 }
 
+bool distinct(std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  return std::adjacent_find(names.begin(), names.end()) == names.end();
+}
+
 bool whole_and_distinct(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return std::adjacent_find(values.begin(), values.end()) == values.end() &&
@@ -155,7 +160,9 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.require(!study.methods.empty(), "methods", "is required: list names with pipeline files");
   b.require(!study.order_seeds.empty() && whole_and_distinct(study.order_seeds), "order_seeds",
             "must be whole numbers, at least one and each once");
-  b.require(!study.metrics.empty(), "metrics", "must name at least one figure");
+  b.require(!study.metrics.empty() && distinct(study.metrics), "metrics",
+            "must name at least one figure, and each once");
+  b.require(distinct(study.outputs), "outputs", "must name each once");
 }
 
 }  // namespace aslio::experiment

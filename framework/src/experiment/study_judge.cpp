@@ -27,12 +27,9 @@ std::string complaint(const fs::path& log) {
   return {};
 }
 
-/// The same program faults again on the same data; what came from outside (the system's own memory limit: SIGKILL) may
-/// not.
-bool is_fault(int signal) {
-  return signal == SIGSEGV || signal == SIGABRT || signal == SIGFPE || signal == SIGILL || signal == SIGBUS ||
-         signal == SIGSYS || signal == SIGTRAP;
-}
+/// The same program faults again on the same data. What came from outside (the system's own memory limit: SIGKILL) may
+/// not, nor what is a matter of the machine: an instruction it does not have (SIGILL), a file that it lost (SIGBUS).
+bool is_fault(int signal) { return signal == SIGSEGV || signal == SIGABRT || signal == SIGFPE || signal == SIGSYS; }
 
 /// Outcome of a child that ended by itself.
 StudyOutcome judge_exit(const ChildEnd& end, const fs::path& folder, const fs::path& log) {

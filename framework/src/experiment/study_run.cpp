@@ -197,7 +197,7 @@ class Schedule {
       if (run.data != d || states_[i] != RunState::waiting || !read_outcome(final_folder(i), {})) continue;
       run.key = run_key(study_, result_.runs, run, options_.program, runs_folder_);
       const auto outcome = read_outcome(final_folder(i), run.key);
-      if (outcome && outcome->stands(study_.config)) close_run(i, read_row(final_folder(i), *outcome));
+      if (outcome && stands(*outcome, study_, options_)) close_run(i, read_row(final_folder(i), *outcome));
     }
   }
 

@@ -88,13 +88,14 @@ class Reader {
   void add(const std::string& run, const std::string& key, std::size_t method, RunCounts& counts) {
     const std::string name = data_ + "/" + run;
     const auto begun = begun_.find(run);
-    if (const auto outcome = finished(output_ / "runs" / data_ / run, key)) {
+    const bool running = begun != begun_.end() && status_.at_work;  // maybe again, beside an outcome that did not stand
+    if (const auto outcome = running ? std::nullopt : finished(output_ / "runs" / data_ / run, key)) {
       StudyRow row;
       row.outcome = *outcome;
       ++(row.good() ? counts.good : counts.failed);
       if (!row.good()) status_.failures.push_back(fmt::format("{}: {} ({})", name, outcome->status, outcome->reason));
       times_[method].push_back(outcome->wall_s);
-    } else if (begun != begun_.end() && status_.at_work) {
+    } else if (running) {
       ++counts.running;
       const std::chrono::duration<double> since = fs::file_time_type::clock::now() - begun->second;
       status_.running.push_back(fmt::format("{}, for {:.0f} s", name, since.count()));
