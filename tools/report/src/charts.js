@@ -63,30 +63,35 @@ function quantile(sorted, q) {
   return i + 1 < sorted.length ? sorted[i] + (at - i) * (sorted[i + 1] - sorted[i]) : sorted[i];
 }
 
-/** One box per sequence and method, every run a dot. */
+/** One box per sequence and method, of the runs that held; what failed is counted below the sequence and in the tooltip. */
 function boxOptions(study, choice) {
   const table = study.table(choice.get('metric'));
   const methods = study.methods.map((_, m) => m).filter((m) => !choice.get('hidden').has(m));
   const logarithmic = choice.get('logBoxes') && table.smaller;
   const series = [];
-  methods.forEach((m, k) => {
-    const boxes = [], dots = [];
+  const held = (run) => run.good && !(table.metric === 'end_to_end_m' && Number.isFinite(study.figure(run, 'failed_at')));
+  const lost = study.sequences.map(() => 0);
+  methods.forEach((m) => {
+    const boxes = [], failed = [];
     study.sequences.forEach((sequence, i) => {
-      const values = study.runsOf(sequence, study.methods[m]).filter((run) => run.good)
+      const runs = study.runsOf(sequence, study.methods[m]);
+      failed.push([runs.filter((run) => !held(run)).length, runs.length]);
+      lost[i] += failed[i][0];
+      const values = runs.filter(held)
         .map((run) => table.scale * study.figure(run, table.metric)).filter((v) => Number.isFinite(v) && (!logarithmic || v > 0)).sort((a, b) => a - b);
       boxes.push(values.length ? [0, 0.25, 0.5, 0.75, 1].map((q) => quantile(values, q)) : [NaN, NaN, NaN, NaN, NaN]);
-      for (const v of values) dots.push([i + (k - (methods.length - 1) / 2) * (0.72 / methods.length), v]);
     });
     const colour = colourOf(m);
     series.push({
       type: 'boxplot', name: study.methods[m], data: boxes, boxWidth: [3, 26],
       itemStyle: {color: `${colour}33`, borderColor: colour, borderWidth: 1.4},
-      tooltip: {formatter: ({name, seriesName, data}) => `${seriesName}, ${name}\nmedian ${brief(data[3])}\nquartiles ${brief(data[2])} to ${brief(data[4])}\nall ${brief(data[1])} to ${brief(data[5])}`},
+      tooltip: {formatter: ({name, seriesName, data, dataIndex}) => `${seriesName}, ${name}\n${failed[dataIndex][0] ? `${failed[dataIndex][0]} of ${failed[dataIndex][1]} runs failed; the others:\n` : ''}median ${brief(data[3])}\nquartiles ${brief(data[2])} to ${brief(data[4])}\nall ${brief(data[1])} to ${brief(data[5])}`},
     });
   });
   return {
-    grid: {left: 56, right: 12, top: 26, bottom: study.sequences.length > 12 ? 70 : 30},
-    xAxis: axis({type: 'category', data: study.sequences, axisLabel: {color: ink('muted'), fontSize: 11, interval: 0, rotate: study.sequences.length > 12 ? 45 : 0}}),
+    grid: {left: 56, right: 12, top: 26, bottom: study.sequences.length > 12 ? 80 : 44},
+    xAxis: axis({type: 'category', data: study.sequences, axisLabel: {color: ink('muted'), fontSize: 11, lineHeight: 14, interval: 0, rotate: study.sequences.length > 12 ? 45 : 0,
+      formatter: (name, i) => (lost[i] ? `${name}\n${lost[i]} failed` : name)}}),
     yAxis: logarithmic ? logAxis(heading(table), {}) : axis({type: 'value', name: heading(table)}),
     series,
   };
@@ -95,11 +100,13 @@ function boxOptions(study, choice) {
 /** Typical cost and error of every method; the line joins those that none beats in both. */
 function frontOptions(study, choice) {
   const table = study.table(choice.get('metric')), cost = study.table('cpu_s_per_s');
+  // Of sequences that have both figures: two means over different ones are no point.
+  const both = (m, i) => [table, cost].every((t) => t.lines[i]?.cells[m].mark === 'value' && t.lines[i].cells[m].median > 0);
   const mean = (t, m) => {
-    const values = t.lines.map((line) => line.cells[m].median).filter((v) => v > 0);
+    const values = t.lines.filter((_, i) => both(m, i)).map((line) => line.cells[m].median);
     return values.length ? Math.exp(values.reduce((sum, v) => sum + Math.log(v), 0) / values.length) : null;
   };
-  const points = study.methods.map((name, m) => ({name, m, failed: table.lines.filter((line) => !['value', 'absent'].includes(line.cells[m].mark)).length,
+  const points = study.methods.map((name, m) => ({name, m, failed: table.lines.filter((line) => line.cells[m].mark !== 'value').length,
     value: [mean(cost, m), table.scale * mean(table, m)]})).filter((p) => !choice.get('hidden').has(p.m) && p.value[0] && p.value[1]);
   const clouds = points.map(({m}) => ({type: 'scatter', symbolSize: 4, silent: true, itemStyle: {color: colourOf(m), opacity: 0.3},
     data: study.runs.filter((run) => run.method === study.methods[m] && run.good)
@@ -118,7 +125,7 @@ function frontOptions(study, choice) {
         label: {show: true, formatter: () => p.name, position: p.side, color: ink('text'), fontSize: 11}})),
       labelLayout: {hideOverlap: false, moveOverlap: 'shiftY'},
       tooltip: {formatter: ({name, value, data}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`
-        + (data.failed ? `, without the ${data.failed} of ${table.lines.length} sequences that failed` : '')}}],
+        + (data.failed ? `, without the ${data.failed} of ${table.lines.length} sequences that failed, or are not there yet` : '')}}],
   };
 }
 
@@ -169,7 +176,7 @@ export function chartsSection(study, choice) {
   const heatCard = h('div', {class: 'card'}, h('h3', null, study.axes.length ? 'Over the axes of the study' : 'Ratio to the baseline'),
     h('p', {class: 'note'}, heatData(study, table(), new Set()).words), heat.place);
   const frontCard = front && h('div', {class: 'card'}, h('h3', null, 'Cost against accuracy'),
-    h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs. Hollow: sequences failed, the place is of the others alone, and it cannot be on the front (dashed).'), front.place);
+    h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs. Hollow: sequences failed or are not there yet, the place is of the others alone, and it cannot be on the front (dashed).'), front.place);
   choice.on(['metric', 'hidden', 'theme', 'logBoxes'], draw);
   queueMicrotask(draw);
   return section('charts', 'Distribution, ablation, cost', ['Of the figure chosen in the results: ', titles],
