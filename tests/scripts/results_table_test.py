@@ -87,6 +87,7 @@ class ResultsTable(StudyCase):
         self.assertEqual(len(study.runs), 6)
         self.assertEqual(sorted(study.values("m", "a", "ate_m")), [5.0, 5.0])  # of 1 and 9, and 5 alone
         self.assertEqual(study.pairs("m", "n", "ate_m"), [(5.0, 4.0), (5.0, 4.0)])
+        self.assertIn("| m | 5.0000 (5.0000 to 5.0000) |", printed(results_table.main, self.root)[1])
 
     def test_five_percent_of_the_way_and_two_metres(self):
         for jump, error, mark in ((5.0, 1.9, None), (5.0, 2.1, "x"), (60.0, 2.9, None), (60.0, 3.1, "-")):

@@ -48,9 +48,9 @@ def text_of(value, metric, failure="x"):
     return "-" if value is None else failure if math.isinf(value) else f"{factor * value:.{digits}f}"
 
 
-def spread(runs, metric):
-    """Median (smallest to largest), and how many failed."""
-    values = [value for value in (run.value(metric) for run in runs) if value is not None]
+def spread(study, method, sequence, metric):
+    """Median (smallest to largest) over the recordings, and how many of them failed."""
+    runs, values = study.of(method, sequence), study.values(method, sequence, metric)
     good = [value for value in values if not math.isinf(value)]
     late = metric == "end_to_end_m" and 2 * sum(run.mark == "-" for run in runs) > len(values) - len(good)
     text = text_of(pairs.median(values), metric, "-" if late else "x")
@@ -77,6 +77,8 @@ def command(study):
     scales = {study.scale(run.data) for run in study.runs if study.data_file(run.data, "scene.yaml").exists()}
     if seeds:
         words += ["--seeds", ranges(seeds)]
+    if len(scales) > 1:
+        raise FolderError(f"{study.folder}: has runs of several scales ({', '.join(f'{scale:g}' for scale in sorted(scales))}), which no one command makes")
     if scales - {1.0}:
         words += ["--scale", ",".join(f"{scale:g}" for scale in sorted(scales))]
     script = pathlib.Path(__file__).name
@@ -106,12 +108,12 @@ def summary(study, metrics):
     """One sequence: a line per method and a column per metric. Several: a table per metric."""
     if len(study.sequences) == 1:
         sequence = study.sequences[0]
-        lines = [[method, *(spread(study.of(method, sequence), metric) for metric in metrics)]
+        lines = [[method, *(spread(study, method, sequence, metric) for metric in metrics)]
                  for method in study.methods]
         return markdown_table([sequence, *(METRICS[metric][0] for metric in metrics)], lines)
     tables = []
     for metric in metrics:
-        lines = [[method, *(spread(study.of(method, sequence), metric) for sequence in study.sequences)]
+        lines = [[method, *(spread(study, method, sequence, metric) for sequence in study.sequences)]
                  for method in study.methods]
         tables.append(markdown_table([METRICS[metric][0], *study.sequences], lines))
     return "\n\n".join(tables)

@@ -3,12 +3,12 @@
 
   tools/analysis/study_figures.py out/table_1 --output out/figures --format pdf
 
-NAME_errors   every run by sequence and method, with the median; failed runs stand in a band on top
+NAME_errors   every recording by sequence and method, with the median; failed runs stand in a band on top
 NAME_ratios   median over that of the baseline, by method and sequence
 NAME_cost     CPU against the figure, geometric means over the sequences; hollow where sequences failed, whose place is of the others
 
 The plots of the report (`aslio report`), from the same output folder. Exit 2 when the folder is no study or has no such figure.
-Needs gnuplot.
+Needs gnuplot and numpy.
 """
 import argparse
 import math
@@ -16,11 +16,13 @@ import pathlib
 import subprocess
 import sys
 
+import divergence
 import pairs
 from study_folder import FolderError, Study
 
 NAMES = {"ate_m": "ATE [m]", "ate_deg": "rotation error [deg]", "rpe": "RPE [m]", "end_to_end_m": "end-to-end error [m]"}
-COLOURS = ("#1f4e9c", "#c2410c", "#0f766e", "#7c3aed", "#b91c1c", "#0891b2", "#a16207", "#4d7c0f", "#be185d", "#4b5563")
+COLOURS = ("#1f4e9c", "#c2410c", "#0f766e", "#7c3aed", "#b91c1c", "#0891b2", "#a16207", "#4d7c0f", "#be185d", "#4b5563",
+           "#f59e0b", "#10b981", "#60a5fa", "#e879f9", "#78350f")
 PIXELS_PER_INCH = 96
 TERMINALS = {"svg": "svg size {},{} font 'sans,13' background rgb 'white'", "pdf": "pdfcairo size {}in,{}in font 'sans,10'"}
 WORST = 2  # of |log2(ratio)|: where the colours end
@@ -33,6 +35,12 @@ def quoted(text):
 
 def block(name, lines):
     return f"${name} << EOD\n" + "".join(line + "\n" for line in lines) + "EOD\n"
+
+
+def round_values(low, high):
+    """1, 2 and 5 times powers of ten."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    return ", ".join(f"{digit * 10.0**power:.6g}" for power in powers for digit in (1, 2, 5) if low <= digit * 10.0**power <= high)
 
 
 class Figures:
@@ -58,7 +66,7 @@ class Figures:
             for s, sequence in enumerate(self.study.sequences):
                 x = s + 0.8 * ((m + 0.5) / count - 0.5)
                 values = self.study.values(method, sequence, self.metric)
-                points += [f"{x} {v if v < math.inf else band} {2 if v == math.inf else 7}" for v in values if v > 0]
+                points += [f"{x} {v if v < math.inf else band} {2 if v == math.inf else 7 + 2 * (m // len(COLOURS))}" for v in values if v > 0]
                 middle = pairs.median(values)
                 if middle is not None and 0 < middle < math.inf:
                     middles.append(f"{x - 0.36 / count} {middle} {0.72 / count} 0")
@@ -67,7 +75,7 @@ class Figures:
                       f"$medians{m} with vectors nohead lw 2.5 {colour} title {quoted(method)}"]
         tics = ", ".join(f"{quoted(sequence)} {s}" for s, sequence in enumerate(self.study.sequences))
         return data + "\n".join([
-            "set logscale y", f"set ylabel {quoted(self.label)}", "set grid ytics lc rgb '#e5e7eb'", "set key outside right noenhanced",
+            "set logscale y", f"set ytics ({round_values(low, high)})", f"set ylabel {quoted(self.label)} noenhanced", "set grid ytics lc rgb '#e5e7eb'", "set key outside right noenhanced",
             f"set xtics ({tics}) noenhanced rotate by -25", f"set xrange [-0.6:{len(self.study.sequences) - 0.4}]",
             f"set yrange [{low}:{band * (high / low) ** 0.05}]",
             f"set arrow from graph 0, first {high} to graph 1, first {high} nohead dt 2 lc rgb '#9ca3af'",
@@ -109,13 +117,13 @@ class Figures:
             failed = sum(value == math.inf for value in own)
             places.append((c, v))
             data += block(f"point{m}", [f"{c} {v}"])
-            plots.append(f"$point{m} with points pt {6 if failed else 7} ps 1.2 lw 2 lc rgb '{COLOURS[m % len(COLOURS)]}' "
+            plots.append(f"$point{m} with points pt {(6 if failed else 7) + 2 * (m // len(COLOURS))} ps 1.2 lw 2 lc rgb '{COLOURS[m % len(COLOURS)]}' "
                          f"title {quoted(method + (f' ({failed} failed)' if failed else ''))}")
         if not places:
             return None
         ranges = [f"[{min(axis) / 1.3}:{max(axis) * 1.3}]" for axis in zip(*places)]
         return data + "\n".join([
-            "set logscale xy", "set xlabel 'CPU [s per s of data], one thread'", f"set ylabel {quoted(self.label)}", "set grid lc rgb '#e5e7eb'",
+            "set logscale xy", f"set ytics ({round_values(min(v for _, v in places) / 1.3, max(v for _, v in places) * 1.3)})", "set xlabel 'CPU [s per s of data], one thread'", f"set ylabel {quoted(self.label)} noenhanced", "set grid lc rgb '#e5e7eb'",
             "set format '%g'", "set xtics (0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5, 1)", "set key outside right noenhanced", f"set xrange {ranges[0]}", f"set yrange {ranges[1]}",
             "plot " + ", \\\n".join(plots)])
 
@@ -157,6 +165,8 @@ def main(words):
     options = arguments(words)
     try:
         study = Study(options.study)
+        if options.metric == "end_to_end_m":
+            divergence.set_marks(study)
         figures = Figures(study, options.metric, chosen(study, options.methods))
         if not figures.finite():
             raise FolderError(f"--metric {options.metric}: no run of {options.study} has such a figure above 0")
