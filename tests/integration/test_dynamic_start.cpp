@@ -3,31 +3,10 @@
 
 #include "aslio/evaluation/evaluation.hpp"
 #include "aslio/simulator/simulation.hpp"
-#include "pipeline/runs.hpp"
+#include "integration/recorded_scene.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
-
-namespace {
-
-/// What a recording of the first `duration` seconds would hold: IMU samples, and each packet once it is complete.
-Recording record(const simulator::Simulation& simulation, double duration) {
-  Recording out;
-  std::size_t sample = 0;
-  const auto& imu = simulation.imu().samples;
-  const auto imu_until = [&](TimeNs t) {
-    for (; sample < imu.size() && imu[sample].t <= t; ++sample) out.push_back(imu[sample]);
-  };
-  const auto packets = static_cast<std::size_t>(to_ns(duration) / simulator::Simulation::kPacketPeriod);
-  for (std::size_t i = 0; i < std::min(packets, simulation.packet_count()); ++i) {
-    LidarPacket packet = simulation.packet(i).packet;
-    imu_until(packet.stamp + simulator::Simulation::kPacketPeriod);
-    out.push_back(std::move(packet));
-  }
-  return out;
-}
-
-}  // namespace
 
 TEST_CASE("dynamic start: a scene that begins in full walk converges, for every seed and both pipelines") {
   const simulator::SceneFile scene =
