@@ -148,7 +148,7 @@ TEST_CASE("every shipped pipeline with an IMU follows the walk to its end") {
   }
 }
 
-TEST_CASE("every shipped pipeline runs on the quickstart scene; what a narrow view loses without an IMU says so") {
+TEST_CASE("every shipped pipeline runs on the quickstart scene, and none with an IMU is lost") {
   const simulator::SceneFile scene = simulator::load_scene(ASLIO_SOURCE_DIR "/configs/scenes/quickstart.yaml");
   const simulator::Simulation simulation(scene, {.seed = 1});
   const Recording recording = record(simulation, 6.0);
