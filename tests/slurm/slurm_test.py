@@ -5,6 +5,7 @@ usage: slurm_test.py ASLIO    (needs Debian's slurm-wlm and munge)
 """
 import contextlib
 import csv
+import math
 import os
 import pathlib
 import shutil
@@ -164,7 +165,9 @@ class Cluster:
 
 def write_study(folder):
     (folder / "room.obj").write_text(ROOM)
-    walk = "".join(f"{0.05 * k} {0.2 * (1 - abs(1 - k / 30)):.4f} 0 0 0 0 0 1\n" for k in range(61))
+    # Not on a line, on which no trajectory can be measured.
+    walk = "".join(f"{0.05 * k} {0.2 * (1 - abs(1 - k / 30)):.4f} {0.1 * math.sin(k / 10):.4f} {0.05 * math.cos(k / 7):.4f} 0 0 0 1\n"
+                   for k in range(61))
     (folder / "walk.tum").write_text(walk)
     (folder / "small.yaml").write_text("schema: aslio/scene/1\nworld: {type: mesh, file: room.obj}\nfollow: {file: walk.tum}\n")
     pipeline = pathlib.Path(__file__).resolve().parents[2] / "configs/pipelines/fixed_window.yaml"
