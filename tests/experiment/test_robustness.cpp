@@ -11,6 +11,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <sstream>
 #include <thread>
 
@@ -174,6 +175,46 @@ TEST_CASE("a study that is killed ten times ends with the tables of one that was
     CHECK(entry.path().string().find(".partial-") == std::string::npos);
   }
   CHECK_FALSE(fs::exists(files.folder / "killed/simulated"));
+}
+
+TEST_CASE("data are gone before the last run that needed them is told as finished") {
+  const StudyFiles files;
+  const Study study = files.load(two_methods());
+
+  /// Looks at what a kill at this very moment would leave for good: no later call asks for data without runs.
+  class Looking final : public StudyMonitor {
+   public:
+    explicit Looking(fs::path output) : output_(std::move(output)) {}
+    void on_line(const std::string& line) override {
+      for (const StudyRun& run : runs) {
+        if (line.find("] " + names[run.data] + "/" + run.folder + ": ok") == std::string::npos) continue;
+        if (++told[names[run.data]] < 2) continue;
+        ++looked;
+        if (fs::exists(output_ / "simulated" / names[run.data])) ++left;
+      }
+    }
+    bool stop_requested() override { return false; }
+    std::vector<StudyRun> runs;
+    std::vector<std::string> names;  ///< of the data
+    std::map<std::string, int> told;
+    int looked = 0, left = 0;
+
+   private:
+    fs::path output_;
+  } looking(files.folder / "out");
+  looking.runs = plan_runs(study, "program", fs::absolute(files.folder / "out") / "runs");
+  for (const StudyData& data : study.data) looking.names.push_back(data.name);
+  CHECK(run_study(study, options(files.folder / "out"), looking).failures() == 0);
+  CHECK(looking.looked == 12);
+  CHECK(looking.left == 0);
+}
+
+TEST_CASE("data that a kill left half removed go with the next call") {
+  const StudyFiles files;
+  const Study study = files.load(two_methods());
+  write_text(files.folder / "out/simulated/.partial-scene_a_1-0123abcd-4194999/truth.tum", "1");
+  REQUIRE(run_apart(study, options(files.folder / "out")) == 0);
+  CHECK_FALSE(fs::exists(files.folder / "out/simulated"));
 }
 
 TEST_CASE("what a killed study has finished is not repeated") {

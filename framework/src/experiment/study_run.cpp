@@ -332,6 +332,9 @@ class Schedule {
     write_file(manifest, study_manifest(read_text(manifest), study_.data[ended.data], ended.command,
                                         options_.program.substr(0, options_.program.find('\n'))));
     write_outcome(ended.folder, result_.runs[i].key, outcome);
+    // The data go before the last run that needed them has its name: a study that is killed in between makes the run
+    // again, and one killed the other way round would never ask for these data, nor remove them.
+    if (data_[ended.data].left == 1) store_.release(study_.data[ended.data]);
     const fs::path folder = final_folder(i);
     fs::remove_all(folder, error);
     fs::rename(ended.folder, folder, error);

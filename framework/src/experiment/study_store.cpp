@@ -171,9 +171,10 @@ void StudyStore::release(const StudyData& data) {
   if (entry == entries_.end()) return;
   // Where another study reads them, it is left to its owner to remove them.
   if (entry->second.made && !keep_ && entry->second.lock.change(true)) {
-    std::error_code ignored;
-    fs::remove(entry->second.folder / kIdentityFile, ignored);
-    fs::remove_all(entry->second.folder, ignored);
+    // Under the name of half-written data first: what a kill in the middle leaves goes with the next call.
+    std::error_code error;
+    fs::rename(entry->second.folder, partial(data), error);
+    fs::remove_all(error ? entry->second.folder : partial(data), error);
   }
   entries_.erase(entry);
 }
