@@ -19,13 +19,13 @@ enum class Recover : std::uint8_t {
 /// out, for the continuity of motion.
 class SegmentSchedule {
  public:
-  /// seg_step in (0, 1]: loss of overlap per segment; n_limit >= 2: largest n; without `echo` an echo lasts a single
-  /// update, so that n may fall at each.
-  SegmentSchedule(double seg_step, std::int64_t n_limit, Recover recover, bool echo = true)
-      : seg_step_(seg_step), n_limit_(n_limit), recover_(recover), holds_(echo) {}
+  /// seg_step in (0, 1]: loss of overlap per segment; n_least, n_limit: smallest and largest n, 2 <= n_least <=
+  /// n_limit; without `echo` an echo lasts a single update, so that n may fall at each.
+  SegmentSchedule(double seg_step, std::int64_t n_least, std::int64_t n_limit, Recover recover, bool echo = true)
+      : seg_step_(seg_step), n_least_(n_least), n_limit_(n_limit), recover_(recover), holds_(echo), n_(n_least) {}
 
-  /// n that an overlap in [0, 1] asks for. eq. WIN-1, AS-LIO (7), clamped to [2, n_limit]: n = 1 would leave a hole of
-  /// L.
+  /// n that an overlap in [0, 1] asks for. eq. WIN-1, AS-LIO (7), clamped to [n_least, n_limit]: n = 1 would leave a
+  /// hole of L.
   std::int64_t wanted(double overlap) const;
   /// Time between updates for a window of length L [ns], rounded down. eq. WIN-2, AS-LIO (8).
   TimeNs shift(TimeNs frame_length) const { return 2 * frame_length / n_; }
@@ -35,7 +35,7 @@ class SegmentSchedule {
   void observe(std::optional<double> overlap, std::int64_t least = 2);
   /// Before an update: the overlap predicted for coming points. Only a rise of n counts; says whether there was one.
   bool anticipate(std::optional<double> overlap);
-  /// Back to the start: n = 2 (warm-up of the map).
+  /// Back to the start: n_least (warm-up of the map).
   void restart();
   /// The next overlap decides, whatever was left of the echo (gap in the data).
   void end_echo() { echo_ = 0; }
@@ -48,10 +48,10 @@ class SegmentSchedule {
   void arm(std::int64_t n);
 
   double seg_step_;
-  std::int64_t n_limit_;
+  std::int64_t n_least_, n_limit_;
   Recover recover_;
   bool holds_;
-  std::int64_t n_ = 2;
+  std::int64_t n_;
   std::int64_t echo_ = 1;
 };
 

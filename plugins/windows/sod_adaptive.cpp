@@ -25,11 +25,14 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
          "length L of a window with its history; the longest time between updates");
   b.real("seg_step", p.seg_step, "", {.min = 1e-3, .max = 1.0},
          "loss of overlap per segment: n = ceil((1 - overlap) / seg_step) + 1, an update every 2 L / n");
+  b.integer("n_least", p.n_least, "", {.min = 2, .max = 1000},
+            "smallest number of segments n: 2, as in the paper, leaves no old point in the window while the overlap is "
+            "full; with more, (n - 2) / n of the window are always old points");
   b.integer("n_max", p.n_max, "", {.min = 2, .max = 1000}, "largest number of segments n");
   b.real("shift_min", p.shift_min, "s", {.min = 1e-4, .max = 10.0},
          "shortest time between updates; acts as n <= 2 L / shift_min");
   b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
-         "time after the first insertion into the map during which the overlap is ignored (n = 2)");
+         "time after the first insertion into the map during which the overlap is ignored (n = n_least)");
   b.flag("echo", p.echo,
          "n holds for n updates (2 L of data) before it may fall; without, it may fall at each update (an ablation)");
   b.choice("recover", p.recover, {{"step", Recover::step}, {"ramp", Recover::ramp}},
@@ -41,7 +44,9 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
   b.integer("weak_segments", p.weak_segments, "", {.min = 2, .max = 1000},
             "least n after an update with few matches or a degenerate view, where the overlap may be full and yet say "
             "little: 2 leaves the overlap alone to decide, as the paper does");
-  b.require(p.shift_min <= p.frame_length, "shift_min", "must not exceed frame_length");
+  b.require(p.n_least <= p.n_max, "n_least", "must not exceed n_max");
+  b.require(static_cast<double>(p.n_least) * p.shift_min <= 2.0 * p.frame_length + 1e-9, "shift_min",
+            "must not exceed 2 frame_length / n_least, the longest time between updates");
 }
 
 SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& context)
@@ -49,13 +54,14 @@ SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& c
       warmup_(to_ns(params.warmup)),
       lookahead_(params.lookahead),
       weak_segments_(params.weak_segments),
-      request_{.shift = frame_length_,
-               .limit = frame_length_,
+      request_{.limit = frame_length_,
                .min_points = static_cast<std::size_t>(params.min_points),
                .min_range = context.sensor.min_range,
                .max_range = context.sensor.max_range},
-      schedule_(params.seg_step, std::min(params.n_max, 2 * frame_length_ / to_ns(params.shift_min)), params.recover,
-                params.echo) {}
+      schedule_(params.seg_step, params.n_least, std::min(params.n_max, 2 * frame_length_ / to_ns(params.shift_min)),
+                params.recover, params.echo) {
+  request_.shift = schedule_.shift(frame_length_);
+}
 
 bool SodAdaptiveWindow::warming_up(const Feedback& feedback) const {
   return feedback.first_insertion == kTimeMax || feedback.t - feedback.first_insertion < warmup_;

@@ -55,12 +55,12 @@ class Overlap:
 class Segments:
     """n and its echo, as the window sod_adaptive holds them."""
 
-    def __init__(self, step, most, echo):
-        self.step, self.most, self.echo = step, most, echo
-        self.n, self.left = 2, 1
+    def __init__(self, step, least, most, echo):
+        self.step, self.least, self.most, self.echo = step, least, most, echo
+        self.n, self.left = least, 1
 
     def wanted(self, overlap):  # eq. WIN-1
-        return min(max(math.ceil((1 - overlap) / self.step - 1e-9) + 1, 2), self.most)
+        return min(max(math.ceil((1 - overlap) / self.step - 1e-9) + 1, self.least), self.most)
 
     def observe(self, overlap):  # eq. WIN-2
         wanted = self.n if overlap is None else self.wanted(overlap)
@@ -73,7 +73,8 @@ class Segments:
 def schedule(overlap, options):
     """(t_ns, window_begin_ns) of every update."""
     length = round(options.frame_length * SECOND)
-    segments = Segments(options.seg_step, min(options.n_max, 2 * length // round(options.shift_min * SECOND)), not options.no_echo)
+    most = min(options.n_max, 2 * length // round(options.shift_min * SECOND))
+    segments = Segments(options.seg_step, options.n_least, most, not options.no_echo)
     t, last, updates = int(overlap.begin), int(overlap.end[-1]), []
     warm = t + round(options.warmup * SECOND)
     while t < last:
@@ -113,9 +114,10 @@ def arguments(words):
     parser.add_argument("--into", metavar="STUDY", help="output folder of the study that reads the schedules")
     parser.add_argument("--frame-length", type=float, default=0.1, metavar="S")
     parser.add_argument("--seg-step", type=float, default=0.1)
+    parser.add_argument("--n-least", type=int, default=2, help="n where all is known: 2, as in the paper, is 10 Hz")
     parser.add_argument("--n-max", type=int, default=25)
     parser.add_argument("--shift-min", type=float, default=0.008, metavar="S")
-    parser.add_argument("--warmup", type=float, default=1.0, metavar="S", help="n = 2 until this long after the begin")
+    parser.add_argument("--warmup", type=float, default=1.0, metavar="S", help="n is least until this long after the begin")
     parser.add_argument("--ahead", type=float, default=0.0, metavar="S", help="knows the overlap of this much later")
     parser.add_argument("--memory", type=float, default=0.02, metavar="S", help="what is younger than this counts as new")
     parser.add_argument("--no-echo", action="store_true")

@@ -33,7 +33,7 @@ TEST_CASE("the worked table of overlap, segments, shift and echo") {  // eqs. WI
                                          {0.2, 0.20, 5, 40.0, 25, 5},
                                          {0.2, 0.00, 6, 33.3, 30, 6}}));
   CAPTURE(row.seg_step, row.overlap);
-  SegmentSchedule schedule(row.seg_step, kNoLimit, Recover::step);
+  SegmentSchedule schedule(row.seg_step, 2, kNoLimit, Recover::step);
   schedule.observe(row.overlap);
   CHECK(schedule.n() == row.n);
   CHECK(schedule.echo() == row.echo);
@@ -42,11 +42,11 @@ TEST_CASE("the worked table of overlap, segments, shift and echo") {  // eqs. WI
 }
 
 TEST_CASE("the rates of the paper: 10 to 125 Hz") {
-  const SegmentSchedule schedule(0.04, 25, Recover::step);
+  const SegmentSchedule schedule(0.04, 2, 25, Recover::step);
   CHECK(schedule.wanted(0.05) == 25);
   CHECK(schedule.wanted(0.0) == 25);
   CHECK(schedule.wanted(0.97) == 2);
-  SegmentSchedule fast(0.04, 25, Recover::step);
+  SegmentSchedule fast(0.04, 2, 25, Recover::step);
   fast.observe(0.05);
   CHECK(fast.shift(kFrame) == 8'000'000);
 }
@@ -54,7 +54,7 @@ TEST_CASE("the rates of the paper: 10 to 125 Hz") {
 TEST_CASE("rounding does not add a segment") {
   for (int tenths = 0; tenths <= 9; ++tenths) {
     CAPTURE(tenths);
-    const SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+    const SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::step);
     const double overlap = tenths / 10.0;  // (1 - 0.7) / 0.1 is 3.0000000000000004
     CHECK(schedule.wanted(overlap) == std::max(2, 11 - tenths));
     CHECK(schedule.wanted(overlap + 1e-6) == std::max(2, 11 - tenths));
@@ -65,7 +65,7 @@ TEST_CASE("rounding does not add a segment") {
 TEST_CASE("an echo spans two frame lengths of stream whatever n") {
   for (std::int64_t n = 3; n <= 25; ++n) {
     CAPTURE(n);
-    SegmentSchedule schedule(0.04, n, Recover::step);
+    SegmentSchedule schedule(0.04, 2, n, Recover::step);
     schedule.observe(0.0);
     REQUIRE(schedule.n() == n);
     TimeNs span = 0;
@@ -80,7 +80,7 @@ TEST_CASE("an echo spans two frame lengths of stream whatever n") {
 }
 
 TEST_CASE("a further drop interrupts the echo at once and re-arms it") {
-  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::step);
   schedule.observe(0.75);
   schedule.observe(0.75);
   REQUIRE(schedule.n() == 4);
@@ -94,7 +94,7 @@ TEST_CASE("a further drop interrupts the echo at once and re-arms it") {
 }
 
 TEST_CASE("a drop to the same n neither restarts nor shortens the echo, and a lasting one re-arms it") {
-  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::step);
   for (const std::int64_t echo : {4, 3, 2, 1, 4, 3}) {
     schedule.observe(0.75);
     CHECK(schedule.n() == 4);
@@ -103,7 +103,7 @@ TEST_CASE("a drop to the same n neither restarts nor shortens the echo, and a la
 }
 
 TEST_CASE("other evidence may ask for a least n, whatever the overlap says") {
-  SegmentSchedule schedule(0.1, 5, Recover::step);
+  SegmentSchedule schedule(0.1, 2, 5, Recover::step);
   schedule.observe(1.0, 4);
   CHECK(schedule.n() == 4);
   CHECK(schedule.echo() == 4);
@@ -112,13 +112,31 @@ TEST_CASE("other evidence may ask for a least n, whatever the overlap says") {
   CHECK(schedule.echo() == 3);
   schedule.observe(0.65, 4);  // the overlap asks for more
   CHECK(schedule.n() == 5);
-  SegmentSchedule limited(0.1, 3, Recover::step);
+  SegmentSchedule limited(0.1, 2, 3, Recover::step);
   limited.observe(std::nullopt, 9);
   CHECK(limited.n() == 3);
 }
 
+TEST_CASE("a smallest n above two leaves old points in every window, and nothing falls below it") {
+  SegmentSchedule schedule(0.1, 4, 9, Recover::step);
+  CHECK(schedule.n() == 4);
+  CHECK(schedule.shift(aslio::kSecond / 10) == aslio::kSecond / 20);
+  schedule.observe(1.0);
+  CHECK(schedule.n() == 4);
+  schedule.observe(0.5);
+  CHECK(schedule.n() == 6);
+  for (int i = 0; i < 6; ++i) schedule.observe(1.0);
+  CHECK(schedule.n() == 4);
+  schedule.observe(0.0);
+  CHECK(schedule.n() == 9);
+  schedule.restart();
+  CHECK(schedule.n() == 4);
+  schedule.observe(1.0, 3);  // other evidence asks for less than that
+  CHECK(schedule.n() == 4);
+}
+
 TEST_CASE("ramp: n falls by one per echo, never below what the overlap asks for") {
-  SegmentSchedule schedule(0.1, kNoLimit, Recover::ramp);
+  SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::ramp);
   schedule.observe(0.55);
   REQUIRE(schedule.n() == 6);
   for (const std::int64_t n : {5, 4}) {
@@ -134,7 +152,7 @@ TEST_CASE("ramp: n falls by one per echo, never below what the overlap asks for"
 }
 
 TEST_CASE("an undefined overlap keeps n while the echo runs on") {
-  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::step);
   schedule.observe(0.75);
   for (int k = 0; k < 10; ++k) {
     schedule.observe(k % 2 == 0 ? std::optional<double>() : std::nan(""));
@@ -146,7 +164,7 @@ TEST_CASE("an undefined overlap keeps n while the echo runs on") {
 }
 
 TEST_CASE("anticipation can only raise n") {
-  SegmentSchedule schedule(0.1, kNoLimit, Recover::step);
+  SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::step);
   schedule.observe(0.75);
   CHECK_FALSE(schedule.anticipate(std::nullopt));
   CHECK_FALSE(schedule.anticipate(1.0));
@@ -158,7 +176,7 @@ TEST_CASE("anticipation can only raise n") {
 }
 
 TEST_CASE("without the echo n follows the latest overlap at once, up and down") {
-  SegmentSchedule schedule(0.1, kNoLimit, Recover::step, false);
+  SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::step, false);
   for (const auto& [overlap, n] :
        {std::pair{0.25, 9}, {0.55, 6}, {0.95, 2}, {0.0, 11}, {0.75, 4}, {0.75, 4}, {1.0, 2}}) {
     schedule.observe(overlap);
@@ -168,7 +186,7 @@ TEST_CASE("without the echo n follows the latest overlap at once, up and down") 
 }
 
 TEST_CASE("without the echo, undefined overlaps keep n and a ramp falls by one per update") {
-  SegmentSchedule schedule(0.1, kNoLimit, Recover::ramp, false);
+  SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::ramp, false);
   schedule.observe(0.55);
   REQUIRE(schedule.n() == 6);
   schedule.observe(std::nullopt);
