@@ -37,15 +37,14 @@ bool append_range(std::string_view text, std::vector<std::uint64_t>& seeds) {
   return seeds.size() <= kMostSeeds;
 }
 
-bool distinct(std::vector<std::string> names) {
-  std::sort(names.begin(), names.end());
-  return std::adjacent_find(names.begin(), names.end()) == names.end();
+template <class T>
+bool distinct(std::vector<T> values) {
+  std::sort(values.begin(), values.end());
+  return std::adjacent_find(values.begin(), values.end()) == values.end();
 }
 
-bool whole_and_distinct(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return std::adjacent_find(values.begin(), values.end()) == values.end() &&
-         std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
+bool whole_and_distinct(const std::vector<double>& values) {
+  return distinct(values) && std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
 }
 
 }  // namespace

@@ -213,6 +213,25 @@ TEST_CASE("the pointwise filter turns on where the gyro is at its limit, unless 
   CHECK(error[0] > 2 * error[1]);
 }
 
+// eq. PTW-5.
+TEST_CASE("the pointwise filter stays where the accelerometer is at its limit, unless it believes the limit") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.3), .drift = Vec3(0.2, 0, 0)};
+  double error[2] = {};
+  for (const bool known : {false, true}) {
+    Filter filter({"estimator={type: pointwise_eskf, acc_saturation: " + std::string(known ? "8.0" : "0") + "}"}, 3.0);
+    filter.build_map(1);
+    for (std::uint32_t k = 0; k < 10; ++k) {
+      RoomWindow room(kRoomEpoch + k * kTenth, kTenth, motion, k + 2);
+      for (ImuSample& sample : room.imu) sample.acc = sample.acc.cwiseMax(-8.0).cwiseMin(8.0);  // gravity is beyond
+      const Update& update = filter.update(room);
+      if (k < 5) continue;
+      error[known ? 1 : 0] = std::max(error[known ? 1 : 0], (update.state.v - motion.drift).norm());
+    }
+  }
+  CHECK(error[1] < 0.1);
+  CHECK(error[0] > 2 * error[1]);
+}
+
 // eq. PTW-6.
 TEST_CASE("the pointwise filter finds the velocity of a start in motion") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.3), .drift = Vec3(1.5, -0.8, 0)};

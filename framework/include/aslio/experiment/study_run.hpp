@@ -61,8 +61,8 @@ struct StudyResult {
 /// Whether a call with these options keeps an earlier outcome.
 bool stands(const StudyOutcome& outcome, const Study& study, const StudyOptions& options);
 
-/// What an earlier call with the same data, configuration and program has left in `output`. Rows whose outcome is not
-/// final are made again. `recording`: of this one alone, unless empty.
+/// What an earlier call with the same data, configuration and program has left in `output`. Rows whose outcome does
+/// not stand are made again. `recording`: of this one alone, unless empty.
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
                                                  const std::filesystem::path& output,
                                                  const std::string& recording = {});

@@ -15,8 +15,8 @@ struct BuildContext {
   exec::Executor& exec;
   const SensorModel& sensor;
   std::shared_ptr<spdlog::logger> log;
-  std::uint64_t order_seed =
-      0;  ///< offset of the first window, phase of strides: replicates that should agree differ in it
+  /// Phase of strides; the pipeline moves the first window by it, too: replicates that should agree differ in it.
+  std::uint64_t order_seed = 0;
 };
 
 }  // namespace aslio
