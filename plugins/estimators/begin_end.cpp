@@ -30,6 +30,12 @@ BeginEnd::At BeginEnd::at(double alpha) const {
   return out;
 }
 
+Pose BeginEnd::moved(TimeNs t, const Eigen::VectorXd& xi) const {
+  BeginEnd other;
+  other.set(begin_t_, begin_.moved(xi.head<6>()), end_t_, end_.moved(xi.tail<6>()));
+  return other.pose(t);
+}
+
 void BeginEnd::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
   const At here = at(share(t));
   out.resize(6, 12);

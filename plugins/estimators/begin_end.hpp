@@ -29,6 +29,7 @@ class BeginEnd final : public TrajectoryModel {
 
   Pose pose(TimeNs t) const override { return at(share(t)).T; }
   int dof() const override { return 12; }
+  Pose moved(TimeNs t, const Eigen::VectorXd& xi) const override;
   void jacobian(TimeNs t, Eigen::MatrixXd& out) const override;
 
  private:

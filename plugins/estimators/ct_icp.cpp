@@ -174,7 +174,8 @@ bool CtIcp::step(const StepContext& context, double& turn, double& shift) {
     return false;
   }
   const auto moved = [](const Pose& pose, const Vec6& by) {
-    return Pose{orthonormalised(pose.R * exp_so3(by.head<3>())), pose.p + by.tail<3>()};
+    const Pose there = pose.moved(by);
+    return Pose{orthonormalised(there.R), there.p};
   };
   set_path(moved(path_.begin(), delta.head<6>()), moved(path_.end(), delta.tail<6>()));
   turn = std::max(delta.segment<3>(0).norm(), delta.segment<3>(6).norm());

@@ -141,8 +141,8 @@ void Icp::iterate(const HistorySelection& past, const StepContext& context) {
     const double share = context.histories.weight(fresh.accepted, old.accepted);
     const Vec6 step = -(fresh.A + share * old.A).ldlt().solve(fresh.b + share * old.b);
     if (!step.allFinite()) return refuse(UpdateStatus::non_finite);
-    end.R = orthonormalised(end.R * exp_so3(step.head<3>()));
-    end.p += step.tail<3>();
+    end = end.moved(step);
+    end.R = orthonormalised(end.R);
     if (step.norm() < params_.converged || j + 1 == params_.max_iterations) {
       // A last step ten times too long is noise of the association; a longer one says that the pose is on its way.
       result_.status = step.norm() < 10 * params_.converged ? UpdateStatus::ok : UpdateStatus::not_converged;

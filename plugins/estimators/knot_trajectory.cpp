@@ -23,6 +23,15 @@ Pose KnotTrajectory::pose(TimeNs t) const {
   return knot.pose(std::max(t, knot.t));
 }
 
+Pose KnotTrajectory::moved(TimeNs t, const Eigen::VectorXd& xi) const {
+  const std::size_t k = knot_of(t);
+  MotionSegment knot = knots_[k];
+  const Pose start = Pose{knot.R, knot.p}.moved(xi.segment<6>(static_cast<Eigen::Index>(6 * k)));
+  knot.R = start.R;
+  knot.p = start.p;
+  return knot.pose(std::max(t, knot.t));
+}
+
 // eq. TRJ-3.
 void KnotTrajectory::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
   const std::size_t k = knot_of(t);

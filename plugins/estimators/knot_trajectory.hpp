@@ -22,6 +22,7 @@ class KnotTrajectory final : public TrajectoryModel {
   /// Pre: there is a knot. Before the first, its pose.
   Pose pose(TimeNs t) const override;
   int dof() const override { return 6 * static_cast<int>(knots_.size()); }
+  Pose moved(TimeNs t, const Eigen::VectorXd& xi) const override;
   void jacobian(TimeNs t, Eigen::MatrixXd& out) const override;
 
  private:

@@ -116,8 +116,8 @@ ScanMatcher::Step ScanMatcher::move(const PoseInformation& sum, const Mat6& held
   A.diagonal().array() += 1e-9 * (1.0 + A.trace());
   const Vec6 step = -held * A.ldlt().solve(sum.b);
   if (!step.allFinite()) return Step::refused;
-  end.R = orthonormalised(end.R * exp_so3(step.head<3>()));
-  end.p += step.tail<3>();
+  end = end.moved(step);
+  end.R = orthonormalised(end.R);
   const bool small =
       step.head<3>().norm() < params_.converged_deg * kRadPerDeg && step.tail<3>().norm() < params_.converged_m;
   return small ? Step::small : Step::moved;

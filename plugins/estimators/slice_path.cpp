@@ -49,6 +49,24 @@ void SlicePath::meet(const NavState& end) {
   move_ = end.p - predicted_.p;
 }
 
+SlicePath SlicePath::between(const Pose& begin, const Pose& end) const {
+  SlicePath out = *this;
+  const Mat3 turn = begin.R * begin_.R.transpose();
+  const Vec3 by = begin.p - begin_.p;
+  const auto carry = [&](auto& with) {
+    with.R = turn * with.R;
+    with.p += by;
+  };
+  for (MotionSegment& segment : out.segments_) carry(segment);
+  carry(out.begin_);
+  carry(out.predicted_);
+  NavState met = end_;
+  met.R = end.R;
+  met.p = end.p;
+  out.meet(met);
+  return out;
+}
+
 double SlicePath::share(TimeNs t) const {
   if (t >= end_t_) return 1.0;
   return t <= begin_.t ? 0.0 : static_cast<double>(t - begin_.t) / static_cast<double>(end_t_ - begin_.t);
@@ -114,6 +132,14 @@ std::size_t SliceChain::slice_of(TimeNs t) const {
   std::size_t i = 0;
   while (i + 1 < paths_.size() && t > paths_[i]->end().t) ++i;
   return i;
+}
+
+Pose SliceChain::moved(TimeNs t, const Eigen::VectorXd& xi) const {
+  const std::size_t i = slice_of(t);
+  const auto at = static_cast<Eigen::Index>(6 * i);
+  const SlicePath& path = *paths_[i];
+  return path.between(path.begin().pose().moved(xi.segment<6>(at)), path.end().pose().moved(xi.segment<6>(at + 6)))
+      .pose(t);
 }
 
 void SliceChain::jacobian(TimeNs t, Eigen::MatrixXd& out) const {

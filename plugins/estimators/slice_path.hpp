@@ -25,6 +25,9 @@ class SlicePath {
   void append(const MotionSegment& segment, const NavState& after);
   /// Makes the path end in `end`.
   void meet(const NavState& end);
+  /// The same with both ends elsewhere: what the IMU carried turns and goes with the begin, in W its velocities and
+  /// accelerations stay.
+  SlicePath between(const Pose& begin, const Pose& end) const;
 
   const NavState& begin() const { return begin_; }
   const NavState& predicted() const { return predicted_; }  ///< the end as the IMU has it
@@ -54,6 +57,7 @@ class SliceChain final : public TrajectoryModel {
   void append(const SlicePath& path) { paths_.push_back(&path); }
 
   Pose pose(TimeNs t) const override { return paths_[slice_of(t)]->pose(t); }
+  Pose moved(TimeNs t, const Eigen::VectorXd& xi) const override;
   int dof() const override { return 6 * static_cast<int>(paths_.size() + 1); }
   void jacobian(TimeNs t, Eigen::MatrixXd& out) const override;
 

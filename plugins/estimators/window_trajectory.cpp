@@ -67,6 +67,12 @@ Pose WindowTrajectory::predicted(TimeNs t) const {
 
 Pose WindowTrajectory::pose(TimeNs t) const { return end_at(share(t)) * (end_.pose().inverse() * predicted(t)); }
 
+Pose WindowTrajectory::moved(TimeNs t, const Eigen::VectorXd& xi) const {
+  WindowTrajectory other = *this;
+  other.correct(corrected_end_.moved(xi.head<6>()));
+  return other.pose(t);
+}
+
 void WindowTrajectory::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
   // T(t) = T_alpha T_rel with T_rel fixed. eqs. TRJ-1, DSK-2.
   const Pose relative = end_.pose().inverse() * predicted(t);

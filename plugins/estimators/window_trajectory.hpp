@@ -40,6 +40,7 @@ class WindowTrajectory final : public TrajectoryModel {
 
   Pose pose(TimeNs t) const override;
   int dof() const override { return 6; }
+  Pose moved(TimeNs t, const Eigen::VectorXd& xi) const override;
   void jacobian(TimeNs t, Eigen::MatrixXd& out) const override;
 
  private:

@@ -23,6 +23,12 @@ Pose Between::pose(TimeNs t) const {
   return {begin.R * exp_so3(s * turn), begin.p + s * (end.p - begin.p)};
 }
 
+Pose Between::moved(TimeNs t, const Eigen::VectorXd& xi) const {
+  Between other = *this;
+  other.end = end.moved(xi.head<6>());
+  return other.pose(t);
+}
+
 void Between::jacobian(TimeNs t, Eigen::MatrixXd& out) const {
   const double s = share(t);
   const Vec3 turn = log_so3(begin.R.transpose() * end.R);
@@ -155,8 +161,8 @@ void MyStage::solve(const Map& map) {
       result_.insert = false;
       return;
     }
-    end.R = orthonormalised(end.R * exp_so3(step.head<3>()));
-    end.p += step.tail<3>();
+    end = end.moved(step);
+    end.R = orthonormalised(end.R);
     const bool small = step.norm() < params_.converged;
     if (small || iteration == params_.max_iterations) {
       // A last step ten times too long is noise of the association.

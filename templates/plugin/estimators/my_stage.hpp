@@ -18,6 +18,7 @@ class Between final : public aslio::TrajectoryModel {
 
   aslio::Pose pose(aslio::TimeNs t) const override;
   int dof() const override { return 6; }
+  aslio::Pose moved(aslio::TimeNs t, const Eigen::VectorXd& xi) const override;
   void jacobian(aslio::TimeNs t, Eigen::MatrixXd& out) const override;
 
  private:

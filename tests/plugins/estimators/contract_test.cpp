@@ -25,6 +25,29 @@ void check_result(const Update& update, const RoomWindow& room) {
   for (const WorldPoint& point : update.map_points) REQUIRE(point.p_W.allFinite());
 }
 
+/// Largest difference between the columns of the Jacobian at t and central differences.
+double slope_error(const TrajectoryModel& trajectory, TimeNs t) {
+  constexpr double step = 1e-5;
+  Eigen::MatrixXd jacobian;
+  trajectory.jacobian(t, jacobian);
+  REQUIRE(jacobian.rows() == 6);
+  REQUIRE(jacobian.cols() == trajectory.dof());
+  const Pose here = trajectory.pose(t);
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(trajectory.dof());
+  CHECK((trajectory.moved(t, still).p - here.p).norm() < 1e-12);
+  CHECK((trajectory.moved(t, still).R - here.R).norm() < 1e-12);
+  double worst = 0;
+  for (int i = 0; i < trajectory.dof(); ++i) {
+    Eigen::VectorXd xi = still;
+    xi[i] = step;
+    const Pose up = trajectory.moved(t, xi), down = trajectory.moved(t, -xi);
+    Vec6 slope;
+    slope << log_so3(here.R.transpose() * up.R) - log_so3(here.R.transpose() * down.R), up.p - down.p;
+    worst = std::max(worst, (jacobian.col(i) - slope / (2 * step)).norm());
+  }
+  return worst;
+}
+
 }  // namespace
 
 TEST_CASE("every estimator: with an empty map it waits, and places its points at the prior") {
@@ -89,18 +112,24 @@ TEST_CASE("every estimator: same windows, same bits, a refused step keeps the pr
   }
 }
 
-TEST_CASE("every estimator: the trajectory's Jacobian agrees with itself at its end") {
-  const TurningRoom motion{.rate = Vec3(0, 0, 0.5)};
+TEST_CASE("every estimator: the Jacobian of its trajectory agrees with central differences all over a window") {
+  const TurningRoom motion{.rate = Vec3(0.3, -0.2, 0.8), .drift = Vec3(0.4, 0.2, 0)};
   for (const std::string& type : estimators()) {
     CAPTURE(type);
     Filter filter = made(type);
     filter.build_map(1);
-    const RoomWindow room(kRoomEpoch, kTenth, motion, 2);
+    // The second window: in the first there is hardly a correction that could be spread over it.
+    filter.update(RoomWindow(kRoomEpoch, kTenth, motion, 2));
+    const RoomWindow room(kRoomEpoch + kTenth, kTenth, motion, 3);
     const Update& update = filter.update(room);
+    REQUIRE(update.accepted);
+    const TrajectoryModel& trajectory = *update.trajectory;
+    for (const TimeNs after : {TimeNs{1}, kTenth / 7, kTenth / 2, 9 * kTenth / 10, kTenth}) {
+      CAPTURE(after);
+      CHECK(slope_error(trajectory, kRoomEpoch + kTenth + after) < 1e-6);
+    }
     Eigen::MatrixXd jacobian;
-    update.trajectory->jacobian(room.window.plan.end, jacobian);
-    REQUIRE(jacobian.rows() == 6);
-    REQUIRE(jacobian.cols() == update.trajectory->dof());
+    trajectory.jacobian(room.window.plan.end, jacobian);
     // The last six unknowns are the pose at the end.
     CHECK((jacobian.rightCols<6>() - Mat6::Identity()).norm() < 1e-9);
   }

@@ -26,8 +26,7 @@ class Random {
 /// The path after its ends have moved by (theta_b, p_b, theta_e, p_e).
 BeginEnd moved(const BeginEnd& path, const Vec12& by) {
   BeginEnd out;
-  out.set(kBegin, {path.begin().R * exp_so3(by.segment<3>(0)), path.begin().p + by.segment<3>(3)}, kEnd,
-          {path.end().R * exp_so3(by.segment<3>(6)), path.end().p + by.segment<3>(9)});
+  out.set(kBegin, path.begin().moved(by.head<6>()), kEnd, path.end().moved(by.tail<6>()));
   return out;
 }
 

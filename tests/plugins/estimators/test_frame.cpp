@@ -116,7 +116,7 @@ TEST_CASE("the trajectory moves with its end and its Jacobian agrees with centra
     Vec6 d = Vec6::Zero();
     d[i] = h;
     const auto moved = [&](double sign) {
-      trajectory.correct({end.R * exp_so3(sign * d.head<3>()), end.p + sign * d.tail<3>()});
+      trajectory.correct(end.moved(sign * d));
       return trajectory.pose(t);
     };
     const Pose up = moved(1);

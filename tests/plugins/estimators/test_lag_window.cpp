@@ -7,19 +7,10 @@
 #include <random>
 
 #include "estimators/lag_window.hpp"
+#include "plugins/estimators/smooth_motion.hpp"
 
 using namespace aslio;
-using plugins::InertialNoise;
-using plugins::InertialTerm;
-using plugins::kNodeDim;
-using plugins::LagWindow;
-using plugins::Mat15;
-using plugins::moved;
-using plugins::PoseTerm;
-using plugins::Preintegration;
-using plugins::PriorTerm;
-using plugins::StateTerm;
-using plugins::Vec15;
+using namespace aslio::test;
 
 namespace {
 
@@ -40,15 +31,6 @@ struct Random {
     return s;
   }
 };
-
-/// Rates and forces that change smoothly.
-ImuSample smooth_sample(double seconds) {
-  ImuSample s;
-  s.t = to_ns(seconds);
-  s.gyro = Vec3(std::sin(3 * seconds), 0.8 * std::cos(2 * seconds), 0.5 + 0.3 * seconds);
-  s.acc = Vec3(1.0 + std::sin(4 * seconds), -0.5 * std::cos(3 * seconds), 9.8 + 0.4 * std::sin(seconds));
-  return s;
-}
 
 std::vector<ImuSample> samples(double seconds, int count) {
   std::vector<ImuSample> out;
@@ -79,15 +61,6 @@ NavState integrated(const NavState& from, double seconds) {
   }
   x.R = orthonormalised(x.R);
   return x;
-}
-
-/// Where the motion leads from `from`.
-NavState carried(const NavState& from, const Preintegration& m) {
-  NavState to = from;
-  to.R = from.R * m.dR;
-  to.v = from.v + m.seconds * from.g + from.R * m.dv;
-  to.p = from.p + m.seconds * from.v + 0.5 * m.seconds * m.seconds * from.g + from.R * m.dp;
-  return to;
 }
 
 /// Largest difference of the Jacobians of a term from central differences, relative to the largest entry.
@@ -221,14 +194,6 @@ struct Walk {
   }
 };
 
-Vec15 start_sigma() {
-  Vec15 sigma;
-  sigma << Vec3::Constant(0.01), Vec3::Constant(0.01), Vec3::Constant(0.5), Vec3::Constant(0.05), Vec3::Constant(0.3);
-  return sigma;
-}
-
-NavState guessed(const NavState& from, const Preintegration& motion) { return carried(from, motion); }
-
 }  // namespace
 
 TEST_CASE("the smoother learns velocity and biases from poses, and says how well it knows them") {  // eq. LAG-4
@@ -241,7 +206,7 @@ TEST_CASE("the smoother learns velocity and biases from poses, and says how well
   start.v.setZero();
   window.start(start, start_sigma());
   for (std::size_t k = 0; k < walk.motions.size(); ++k) {
-    window.append(walk.motions[k], guessed(window.newest(), walk.motions[k]));
+    window.append(walk.motions[k], carried(window.newest(), walk.motions[k]));
     window.measure(walk.states[k + 1].pose(), false);
     REQUIRE(window.solve());
     CHECK(window.size() <= 20);
@@ -270,7 +235,7 @@ TEST_CASE("what has left the lag counts on: the newest state is that of all stat
   for (LagWindow* window : {&all, &lagged}) {
     window->start(start, start_sigma());
     for (std::size_t k = 0; k < walk.motions.size(); ++k) {
-      window->append(walk.motions[k], guessed(window->newest(), walk.motions[k]));
+      window->append(walk.motions[k], carried(window->newest(), walk.motions[k]));
       if (k % 3 != 1) window->measure(walk.states[k + 1].pose(), k % 4 == 0);
       REQUIRE(window->solve());
     }
@@ -292,7 +257,7 @@ TEST_CASE("a registration that left a direction open hardly counts") {
   for (const bool degenerate : {false, true}) {
     LagWindow window(LagWindow::Params{});
     window.start(walk.truth, start_sigma());
-    window.append(walk.motions[0], guessed(walk.truth, walk.motions[0]));
+    window.append(walk.motions[0], carried(walk.truth, walk.motions[0]));
     const Vec3 alone = window.newest().p;
     window.measure({window.newest().R, alone + Vec3(0.1, 0, 0)}, degenerate);
     REQUIRE(window.solve());
@@ -309,7 +274,7 @@ TEST_CASE("the smoother gives the same bits for the same input") {
     LagWindow window(LagWindow::Params{});
     window.start(walk.truth, start_sigma());
     for (std::size_t k = 0; k < walk.motions.size(); ++k) {
-      window.append(walk.motions[k], guessed(window.newest(), walk.motions[k]));
+      window.append(walk.motions[k], carried(window.newest(), walk.motions[k]));
       window.measure(walk.states[k + 1].pose(), false);
       REQUIRE(window.solve());
     }
