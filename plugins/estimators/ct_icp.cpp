@@ -216,8 +216,8 @@ void CtIcp::accept() {
   known.diagonal().segment<3>(3).array() += unit * params_.location;
   const Mat6 information = end_information(known);
   result_.spectrum = pose_spectrum(information);
-  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0];
-  if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
+  const bool open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  if (result_.status == UpdateStatus::ok && open) result_.status = UpdateStatus::degenerate;
   if (uses_imu()) {
     state_ = imu_.correct(prior_, path_.end(), information);
     set_path(path_.begin(), state_.pose());
@@ -256,6 +256,7 @@ void CtIcp::refuse(UpdateStatus status) {
 
 const Update& CtIcp::update(const Window& window, const HistorySelection& past, const StepContext& context) {
   result_ = Update{};
+  plan_ = window.plan;
   const NavState before = state_;
   propagate(window);
   const bool finite = state_.R.allFinite() && state_.p.allFinite() && state_.v.allFinite();

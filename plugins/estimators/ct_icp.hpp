@@ -81,6 +81,7 @@ class CtIcp final : public Estimator {
   std::vector<BeginEndInformation> partials_;
   BeginEndInformation last_;  ///< fresh rows of the last step
   std::vector<MatchRecord> records_;
+  WindowPlan plan_;  ///< of this update
   Update result_;
 };
 

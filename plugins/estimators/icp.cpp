@@ -24,9 +24,10 @@ void Icp::describe(config::Binder& b, Params& p) {
          "sigma of the residual before anything has been learnt");
   b.real("min_motion", p.min_motion, "m", {.min = 0, .max = 10},
          "what the prediction was off by less than this is not learnt from");
-  b.real(
-      "degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-      "an update whose weakest direction is known worse than this is marked degenerate (rotation at a 5 m lever arm)");
+  b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
+         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
+         "at a "
+         "5 m lever arm)");
   b.stage("residual", p.residual, "what a match measures; its sigma is the learnt threshold");
 }
 
@@ -157,8 +158,8 @@ void Icp::accept(const Pose& end, const PoseInformation& fresh) {
   const double variance = std::max(least_variance, fresh.squared_sum / static_cast<double>(fresh.accepted));
   const Mat6 fresh_information = fresh.A * (threshold() * threshold() / variance);
   result_.spectrum = pose_spectrum(fresh_information);
-  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0];
-  if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
+  const bool open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  if (result_.status == UpdateStatus::ok && open) result_.status = UpdateStatus::degenerate;
   learn_threshold(state_.pose(), end);
   twist_.follow(end, state_.t);
   state_.R = end.R;
@@ -179,6 +180,7 @@ void Icp::refuse(UpdateStatus status) {
 
 const Update& Icp::update(const Window& window, const HistorySelection& past, const StepContext& context) {
   result_ = Update{};
+  plan_ = window.plan;
   propagate(window.plan.end);
   result_.prior = state_;
   load(window, past, context);

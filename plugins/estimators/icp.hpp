@@ -63,6 +63,7 @@ class Icp final : public Estimator {
   PointMatches fresh_, history_;
   std::vector<PoseInformation> partials_;
   std::vector<MatchRecord> records_;
+  WindowPlan plan_;  ///< of this update
   Update result_;
 };
 

@@ -79,6 +79,7 @@ void Ieskf::propagate(const Window& window) {
     }
     const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, left_open_);
     motion_->propagate_covariance(state, from, to, noise, P_);
+    walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
     const MotionSegment segment = motion_->step(state, from, to);
     trajectory_.append(segment, state);
     states_.push_back(state);
@@ -238,7 +239,7 @@ void Ieskf::retrace(const NavState& at) {
 Mat6 Ieskf::leave_degenerate_out(const Mat6& A) const {
   const Vec6 scale = direction_scale();
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(scale.asDiagonal() * A * scale.asDiagonal());
-  const double least = 1.0 / (params_.degenerate_sigma * params_.degenerate_sigma);
+  const double least = 1.0 / (params_.degenerate_sigma * params_.degenerate_sigma * windows_per_view(plan_));
   Mat6 keep = Mat6::Zero();
   for (int i = 0; i < 6; ++i) {
     if (solver.eigenvalues()[i] < least) continue;
@@ -356,9 +357,8 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
   result_.spectrum = pose_spectrum(last.fresh.A);
-  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0];
-  if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
-  left_open_ = weakest < 1.0;
+  left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;
 
   state_ = posterior;
   P_ = P;
@@ -394,6 +394,7 @@ void Ieskf::refuse(UpdateStatus status) {
 
 const Update& Ieskf::update(const Window& window, const HistorySelection& past, const StepContext& context) {
   result_ = Update{};
+  plan_ = window.plan;
   const StateMatrix P_before = P_;
   const NavState before = state_;
   propagate(window);
@@ -423,6 +424,30 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   return result_;
 }
 
+/// Residuals of the fresh points at the posterior: the normal equations are not asked for any more.
+void Ieskf::record_residuals() {
+  for (std::size_t i = 0; i < fresh_.body.size(); ++i) fresh_.world[i] = state_.R * fresh_.body[i] + state_.p;
+  residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, params_.sigma, fresh_.rows);
+  const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
+  const std::size_t rows_per_chunk = kGrain * rows_per_match;
+  double squares = 0;
+  std::size_t accepted = 0;
+  for (std::size_t begin = 0; begin < fresh_.rows.size(); begin += rows_per_chunk) {
+    double part = 0;
+    for (std::size_t row = begin; row < std::min(begin + rows_per_chunk, fresh_.rows.size()); ++row) {
+      const ResidualRow& z = fresh_.rows[row];
+      if (z.information <= 0.0) continue;
+      part += z.r * z.r;
+      ++accepted;
+      MatchRecord& record = records_[row / rows_per_match];
+      record.accepted = true;
+      record.residual = static_cast<float>(z.r);
+    }
+    squares += part;
+  }
+  if (accepted > 0) result_.residual_rms = std::sqrt(squares / static_cast<double>(accepted));
+}
+
 void Ieskf::finish() {
   if (params_.deskew_correction == DeskewCorrection::state) {
     const CpuTimer timer(result_.times.deskew);
@@ -434,16 +459,7 @@ void Ieskf::finish() {
   frame_.place(trajectory_);
   records_.assign(fresh_.body.size(), MatchRecord{});
   if (result_.accepted) {
-    const WindowInformation sum = evaluate(fresh_, state_, std::numeric_limits<double>::infinity());
-    const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-    for (std::size_t row = 0; row < fresh_.rows.size(); ++row) {
-      const ResidualRow& z = fresh_.rows[row];
-      MatchRecord& record = records_[row / rows_per_match];
-      if (z.information <= 0.0) continue;
-      record.accepted = true;
-      record.residual = static_cast<float>(z.r);
-    }
-    if (sum.accepted > 0) result_.residual_rms = std::sqrt(sum.squared_sum / static_cast<double>(sum.accepted));
+    record_residuals();
     if (!residual_->surfaces_from_map()) result_.neighbours = &fresh_.neighbours;
   }
   states_.back() = state_;

@@ -103,6 +103,7 @@ class Ieskf final : public Estimator {
   void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Normal& normal,
               const HistorySelection& past);
   void refuse(UpdateStatus status);
+  void record_residuals();
   void finish();
 
   Params params_;
@@ -126,6 +127,7 @@ class Ieskf final : public Estimator {
   MatchSet fresh_, history_;
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;
+  WindowPlan plan_;  ///< of this update
   Update result_;
 };
 

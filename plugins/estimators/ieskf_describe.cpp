@@ -8,6 +8,9 @@ void Ieskf::describe(config::Binder& b, Params& p) {
   b.real("sigma_gravity", p.estimated.sigma_gravity, "m/s^2", {.above = 0, .max = 10},
          "gravity: free alone: standard deviation of the length of g at the start (latitude and height change g by "
          "0.03 m/s^2)");
+  b.real("gravity_walk", p.estimated.gravity_walk, "deg/sqrt(s)", {.min = 0, .max = 10},
+         "gravity: s2, free: random walk of the direction of gravity in the map, which bends by that much as it grows "
+         "(0: the map is straight)");
   b.choice("gyro_calibration", p.estimated.gyro_calibration,
            {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
            "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
@@ -47,9 +50,10 @@ void Ieskf::describe(config::Binder& b, Params& p) {
   b.integer("dense_below", p.dense_below, "", {.min = 0, .max = 1e6},
             "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
             "for it (0: never)");
-  b.real(
-      "degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-      "an update whose weakest direction is known worse than this is marked degenerate (rotation at a 5 m lever arm)");
+  b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
+         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
+         "at a "
+         "5 m lever arm)");
   b.flag(
       "degenerate_to_prior", p.degenerate_to_prior,
       "leave directions that are known worse than degenerate_sigma to the prior: what clutter and moving things say of "

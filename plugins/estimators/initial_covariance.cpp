@@ -1,5 +1,7 @@
 #include "estimators/initial_covariance.hpp"
 
+#include <numbers>
+
 namespace aslio::plugins {
 
 namespace {
@@ -8,6 +10,7 @@ namespace {
 constexpr double kScaleSigma = 0.01;   // of each axis
 constexpr double kCrossSigma = 0.005;  // of each cross-axis term
 constexpr double kDelaySigma = 0.003;  // [s]
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 }  // namespace
 
@@ -40,6 +43,13 @@ StateMatrix initial_covariance(const InitialState& initial, const EstimatedState
   }
   if (estimated.time_offset) P(block::d, block::d) = kDelaySigma * kDelaySigma;
   return P;
+}
+
+// eq. MOT-8.
+void walk_gravity(const EstimatedStates& estimated, const Vec3& g, double dt, StateMatrix& P) {
+  if (estimated.gravity_walk <= 0 || estimated.gravity == EstimatedStates::Gravity::fixed) return;
+  const double walk = estimated.gravity_walk * kRadPerDeg;
+  P.block<3, 3>(block::g, block::g) += walk * walk * dt * (g.squaredNorm() * Mat3::Identity() - g * g.transpose());
 }
 
 }  // namespace aslio::plugins

@@ -10,6 +10,8 @@ struct EstimatedStates {
   enum class GyroCalibration : std::uint8_t { none, diagonal, full };
   Gravity gravity = Gravity::s2;
   double sigma_gravity = 0.01;  ///< of the length of g where all of it is estimated [m/s^2]
+  /// Of the direction of gravity in the map's frame, where it is estimated [deg/sqrt(s)] (docs/equations.md MOT-8).
+  double gravity_walk = 0;
   GyroCalibration gyro_calibration = GyroCalibration::none;
   bool time_offset = false;
 };
@@ -17,5 +19,8 @@ struct EstimatedStates {
 /// Covariance at the start (docs/equations.md INI-4): zero for what is not estimated. `sigma_velocity` [m/s] stands in
 /// place of the initial state's.
 StateMatrix initial_covariance(const InitialState& initial, const EstimatedStates& estimated, double sigma_velocity);
+
+/// Adds to P what gravity `g` [m/s^2] may have turned against the map in `dt` [s] (eq. MOT-8).
+void walk_gravity(const EstimatedStates& estimated, const Vec3& g, double dt, StateMatrix& P);
 
 }  // namespace aslio::plugins

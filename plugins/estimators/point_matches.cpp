@@ -16,6 +16,15 @@ std::array<double, 6> pose_spectrum(const Mat6& A) {
   return out;
 }
 
+double windows_per_view(const WindowPlan& plan) {
+  constexpr double view = 0.1, shortest = 1e-3;  // [s]
+  return std::max(1.0, view / std::max(to_seconds(plan.end - plan.fresh_begin), shortest));
+}
+
+bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan) {
+  return sigma * sigma * spectrum[0] * windows_per_view(plan) < 1.0;
+}
+
 void PointMatches::reserve(std::size_t points, const Residual& residual) {
   if (points <= body.capacity()) return;
   points *= 2;  // windows vary with what is in view: one that is twice as full needs no memory

@@ -12,6 +12,13 @@ namespace aslio::plugins {
 /// are 1/m^2. eq. IESKF-7.
 std::array<double, 6> pose_spectrum(const Mat6& A);
 
+/// How many windows of this length 0.1 s of a view have, at least 1. eq. IESKF-7.
+double windows_per_view(const WindowPlan& plan);
+
+/// Whether a view leaves a direction open: known worse than `sigma` [m] by as many windows with this spectrum as 0.1 s
+/// has. `plan`: of the window. eq. IESKF-7.
+bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan);
+
 struct PointMatches {
   std::vector<Vec3> body, world;  ///< at the end of the window; where the iterate places them
   std::vector<float> range;       ///< |p_L| [m]

@@ -257,6 +257,7 @@ void PointwiseEskf::sample(const Window& window, const StepContext& context) {
 
 const Update& PointwiseEskf::update(const Window& window, const HistorySelection& past, const StepContext& context) {
   result_ = Update{};
+  plan_ = window.plan;
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
   sample(window, context);
   load_imu(window.imu);
@@ -309,7 +310,7 @@ void PointwiseEskf::accept(const PointwiseState& begin) {
   result_.residual_rms = std::sqrt(squares / result_.fresh_matches);
   result_.nis = nis_sum_ / result_.fresh_matches;
   result_.spectrum = pose_spectrum(information_);
-  const bool open = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0] < 1.0;
+  const bool open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   result_.status = open ? UpdateStatus::degenerate : UpdateStatus::ok;
   if (initial_.mode == InitialMode::dynamic_start && velocity_windows_ < kVelocityWindows) find_velocity_alone(begin);
   dead_reckoning_.begin(now_.x.t, now_.P);

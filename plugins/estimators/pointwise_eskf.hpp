@@ -91,6 +91,7 @@ class PointwiseEskf final : public Estimator {
   double nis_sum_ = 0;
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;
+  WindowPlan plan_;  ///< of this update
   Update result_;
 };
 

@@ -85,6 +85,7 @@ void Smoother::linearise(std::size_t i, SliceEquations& out) const {
     out.F = (F * out.F).eval();
     motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.left_open),
                                   out.Q);
+    walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), out.Q);
     motion_->step(state, from, to);
   }
   out.d = box_minus(slice.state, slice.path.predicted());
@@ -163,9 +164,8 @@ void Smoother::accept() {
   Mat6 into = Mat6::Identity();
   into.topLeftCorner<3, 3>() = state_.R;
   result_.spectrum = pose_spectrum(into.transpose() * fresh.A0 * into);
-  const double weakest = params_.degenerate_sigma * params_.degenerate_sigma * result_.spectrum[0];
-  if (result_.status == UpdateStatus::ok && weakest < 1.0) result_.status = UpdateStatus::degenerate;
-  left_open_ = weakest < 1.0;
+  left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;
   result_.accepted = true;
   trace_all();
   if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
@@ -207,6 +207,7 @@ void Smoother::refuse(UpdateStatus status) {
 
 const Update& Smoother::update(const Window& window, const HistorySelection&, const StepContext& context) {
   result_ = Update{};
+  plan_ = window.plan;
   const bool predicted = propagate(window);
   if (!predicted) stand_still(window.plan.end);
   before_.assign(1, begin_);

@@ -118,6 +118,7 @@ class Smoother final : public Estimator, private PointRevision {
   std::vector<NavState> states_;
   std::vector<SliceInformation> partials_;
   std::vector<MatchRecord> records_, slice_records_;
+  WindowPlan plan_;  ///< of this update
   Update result_;
 };
 

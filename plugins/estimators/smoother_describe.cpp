@@ -7,6 +7,9 @@ void Smoother::describe(config::Binder& b, Params& p) {
            "what of gravity is estimated: its direction, all three components, or nothing");
   b.real("sigma_gravity", p.estimated.sigma_gravity, "m/s^2", {.above = 0, .max = 10},
          "gravity: free alone: standard deviation of the length of g at the start");
+  b.real("gravity_walk", p.estimated.gravity_walk, "deg/sqrt(s)", {.min = 0, .max = 10},
+         "gravity: s2, free: random walk of the direction of gravity in the map, which bends by that much as it grows "
+         "(0: the map is straight)");
   b.choice("gyro_calibration", p.estimated.gyro_calibration,
            {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
            "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
@@ -25,9 +28,10 @@ void Smoother::describe(config::Binder& b, Params& p) {
          "position step of every slice below which an iteration has converged");
   b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10}, "the same for its attitude");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
-  b.real(
-      "degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-      "an update whose weakest direction is known worse than this is marked degenerate (rotation at a 5 m lever arm)");
+  b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
+         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
+         "at a "
+         "5 m lever arm)");
   b.stage("motion", p.motion, "pose and covariance between states");
   b.stage("residual", p.residual, "what a match measures");
 }

@@ -137,6 +137,7 @@ void Smoother::predict_covariance() {
       const ImuSample &from = slice.imu[i - 1], &to = slice.imu[i];
       motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.left_open),
                                     P_);
+      walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
       motion_->step(state, from, to);
     }
   }
