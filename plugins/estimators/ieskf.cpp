@@ -234,8 +234,8 @@ void Ieskf::retrace(const NavState& at) {
   if (states_.empty()) states_.push_back(at);
 }
 
-/// W with which rows h of the pose become W h: without the directions in which A knows less than degenerate_sigma.
-/// eq. IESKF-9.
+/// W with which rows h of the pose become W h: without the directions in which 0.1 s of the view know less than
+/// degenerate_sigma. eq. IESKF-9.
 Mat6 Ieskf::leave_degenerate_out(const Mat6& A) const {
   const Vec6 scale = direction_scale();
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(scale.asDiagonal() * A * scale.asDiagonal());
@@ -424,7 +424,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   return result_;
 }
 
-/// Residuals of the fresh points at the posterior: the normal equations are not asked for any more.
+/// Residuals of the fresh points at the posterior: the normal equations are not needed any more.
 void Ieskf::record_residuals() {
   for (std::size_t i = 0; i < fresh_.body.size(); ++i) fresh_.world[i] = state_.R * fresh_.body[i] + state_.p;
   residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, params_.sigma, fresh_.rows);

@@ -9,8 +9,8 @@ void Ieskf::describe(config::Binder& b, Params& p) {
          "gravity: free alone: standard deviation of the length of g at the start (latitude and height change g by "
          "0.03 m/s^2)");
   b.real("gravity_walk", p.estimated.gravity_walk, "deg/sqrt(s)", {.min = 0, .max = 10},
-         "gravity: s2, free: random walk of the direction of gravity in the map, which bends by that much as it grows "
-         "(0: the map is straight)");
+         "gravity: s2, free: random walk of the direction of gravity in the map, by which a map bends as it grows "
+         "(0: none)");
   b.choice("gyro_calibration", p.estimated.gyro_calibration,
            {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
            "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
@@ -54,10 +54,10 @@ void Ieskf::describe(config::Binder& b, Params& p) {
          "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
          "at a "
          "5 m lever arm)");
-  b.flag(
-      "degenerate_to_prior", p.degenerate_to_prior,
-      "leave directions that are known worse than degenerate_sigma to the prior: what clutter and moving things say of "
-      "them is not taken for evidence");
+  b.flag("degenerate_to_prior", p.degenerate_to_prior,
+         "leave directions of which 0.1 s of the view know less than degenerate_sigma to the prior: what clutter and "
+         "moving things say of "
+         "them is not taken for evidence");
   b.stage("motion", p.motion, "pose and covariance between updates");
   b.stage("residual", p.residual, "what a match measures");
 }

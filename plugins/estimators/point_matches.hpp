@@ -12,11 +12,11 @@ namespace aslio::plugins {
 /// are 1/m^2. eq. IESKF-7.
 std::array<double, 6> pose_spectrum(const Mat6& A);
 
-/// How many windows of this length 0.1 s of a view have, at least 1. eq. IESKF-7.
+/// How many windows as long as this one 0.1 s hold, at least 1. eq. IESKF-7.
 double windows_per_view(const WindowPlan& plan);
 
-/// Whether a view leaves a direction open: known worse than `sigma` [m] by as many windows with this spectrum as 0.1 s
-/// has. `plan`: of the window. eq. IESKF-7.
+/// Whether the weakest direction is known worse than `sigma` [m] by all such windows of 0.1 s together. `plan`: of the
+/// window. eq. IESKF-7.
 bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan);
 
 struct PointMatches {

@@ -8,8 +8,8 @@ void Smoother::describe(config::Binder& b, Params& p) {
   b.real("sigma_gravity", p.estimated.sigma_gravity, "m/s^2", {.above = 0, .max = 10},
          "gravity: free alone: standard deviation of the length of g at the start");
   b.real("gravity_walk", p.estimated.gravity_walk, "deg/sqrt(s)", {.min = 0, .max = 10},
-         "gravity: s2, free: random walk of the direction of gravity in the map, which bends by that much as it grows "
-         "(0: the map is straight)");
+         "gravity: s2, free: random walk of the direction of gravity in the map, by which a map bends as it grows "
+         "(0: none)");
   b.choice("gyro_calibration", p.estimated.gyro_calibration,
            {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
            "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "

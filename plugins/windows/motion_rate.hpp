@@ -13,6 +13,7 @@ class MotionRateWindow final : public WindowStrategy {
  public:
   struct Params {
     double frame_length = 0.1;
+    std::optional<double> slow_period = std::nullopt;  ///< [s]; none: frame_length
     double fast_period = 0.02;
     double threshold_deg = 60.0;
     double hold = 0.2;
@@ -31,6 +32,7 @@ class MotionRateWindow final : public WindowStrategy {
   std::optional<TimeNs> wanted_shift(const StreamView& stream, const Feedback& feedback) const;
 
   TimeNs frame_length_;
+  TimeNs slow_period_;
   TimeNs fast_period_;
   TimeNs hold_;
   double squared_threshold_;  ///< [rad^2/s^2]

@@ -43,10 +43,10 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
             "with fewer raw points in the sensor's range the time between updates grows, up to L");
   b.integer("weak_segments", p.weak_segments, "", {.min = 2, .max = 1000},
             "least n after an update with few matches or a degenerate view, where the overlap may be full and yet say "
-            "little: 2 leaves the overlap alone to decide, as the paper does");
+            "little: n_least or less leaves the overlap alone to decide, as the paper does");
   b.require(p.n_least <= p.n_max, "n_least", "must not exceed n_max");
-  b.require(static_cast<double>(p.n_least) * p.shift_min <= 2.0 * p.frame_length + 1e-9, "shift_min",
-            "must not exceed 2 frame_length / n_least, the longest time between updates");
+  b.require(p.n_least <= 2 * to_ns(p.frame_length) / to_ns(p.shift_min), "shift_min",
+            "must not exceed 2 frame_length / n_least, the time between updates while the overlap is full");
 }
 
 SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& context)

@@ -172,9 +172,10 @@ void StudyStore::release(const StudyData& data) {
   // Where another study reads them, it is left to its owner to remove them.
   if (entry->second.made && !keep_ && entry->second.lock.change(true)) {
     // Under the name of half-written data first: what a kill in the middle leaves goes with the next call.
-    std::error_code error;
+    std::error_code error, ignored;
     fs::rename(entry->second.folder, partial(data), error);
-    fs::remove_all(error ? entry->second.folder : partial(data), error);
+    if (error) fs::remove(entry->second.folder / kIdentityFile, ignored);  // what is left is not taken for whole
+    fs::remove_all(error ? entry->second.folder : partial(data), ignored);
   }
   entries_.erase(entry);
 }

@@ -60,6 +60,9 @@ TEST_CASE("gravity_walk: its direction grows uncertain with time, its length doe
     CHECK(std::abs(grown(2, 2)) < 0.01 * variance);
     CHECK(growth(type, "0", "s2").norm() < 1e-3 * variance);
     CHECK(growth(type, "0.5", "fixed").norm() == 0);
+    const Mat3 free = growth(type, "0.5", "free");
+    CHECK(free(0, 0) == Approx(variance).epsilon(0.01));
+    CHECK(std::abs(free(2, 2)) < 0.01 * variance);
   }
 }
 

@@ -257,20 +257,6 @@ TEST_CASE("a single wall in view: the update counts, and is marked degenerate") 
   CHECK(update.spectrum[3] > 100.0);
 }
 
-TEST_CASE("a view does not become degenerate by being cut into shorter windows") {  // eq. IESKF-7
-  const auto update = [](const std::string& sigma, TimeNs length, int points) {
-    Filter filter({"estimator.degenerate_sigma=" + sigma}, 0.01);
-    filter.build_map(1);
-    return filter.update(RoomWindow(kRoomEpoch, length, Pose{}, 2, points));
-  };
-  // A threshold that the points of 0.1 s pass by half.
-  const double sigma = std::sqrt(1.5 / update("0.05", kTenth, 2000).spectrum[0]);
-  const std::string at = std::to_string(sigma);
-  CHECK(update(at, kTenth, 2000).status == UpdateStatus::ok);
-  CHECK(update(at, kTenth, 400).status == UpdateStatus::degenerate);
-  CHECK(update(at, kTenth / 5, 400).status == UpdateStatus::ok);
-}
-
 TEST_CASE(
     "after an update that left a direction open, the accelerometer is trusted less until the next one") {  // eq. MOT-7
   // Growth of the variance of the velocity over a window in which nothing matches, after one in which much or a wall

@@ -109,7 +109,7 @@ Solution by_ceres(const Chain& chain, const LagWindow::Params& params) {
 
 }  // namespace
 
-TEST_CASE("the smoother's states and their covariance are those of Ceres") {  // eq. LAG-4
+TEST_CASE("the smoother's newest state and its covariance are those of Ceres") {  // eq. LAG-4
   const Chain chain;
   LagWindow::Params params;
   params.sigma_rotation = 0.01;

@@ -214,7 +214,8 @@ TEST_CASE("the pointwise filter turns on where the gyro is at its limit, unless 
 }
 
 // eq. PTW-5.
-TEST_CASE("the pointwise filter stays where the accelerometer is at its limit, unless it believes the limit") {
+TEST_CASE(
+    "the pointwise filter keeps its velocity while the accelerometer is at its limit, unless it believes the limit") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.3), .drift = Vec3(0.2, 0, 0)};
   double error[2] = {};
   for (const bool known : {false, true}) {

@@ -89,6 +89,22 @@ TEST_CASE("motion_rate: with too few points the time between updates grows, up t
   }
 }
 
+TEST_CASE("motion_rate: slow_period is the time between updates without a turn, in windows of a frame") {
+  const auto plans = test::plans_of("{type: motion_rate, slow_period: 0.05}", turning_stream(0, 1000 * kMs, 1.04));
+  REQUIRE(plans.size() == 20);
+  for (std::size_t i = 2; i < plans.size(); ++i) {
+    CHECK(plans[i].end - plans[i].fresh_begin == 50 * kMs);
+    CHECK(plans[i].end - plans[i].history_begin == 100 * kMs);
+  }
+}
+
+TEST_CASE("motion_rate: periods that exceed the next longer one are refused") {
+  CHECK_THAT(test::WindowCatalog().complaint("{type: motion_rate, slow_period: 0.2}"),
+             Catch::Contains("slow_period") && Catch::Contains("frame_length"));
+  CHECK_THAT(test::WindowCatalog().complaint("{type: motion_rate, slow_period: 0.05, fast_period: 0.06}"),
+             Catch::Contains("fast_period") && Catch::Contains("slow_period"));
+}
+
 TEST_CASE("motion_rate: a fast period longer than the frame is refused") {
   CHECK_THAT(test::WindowCatalog().complaint("{type: motion_rate, fast_period: 0.2}"),
              Catch::Contains("window.fast_period") && Catch::Contains("must not exceed frame_length"));

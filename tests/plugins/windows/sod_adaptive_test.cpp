@@ -4,6 +4,7 @@
 
 #include "plugins/allocation_count.hpp"
 #include "plugins/build_environment.hpp"
+#include "plugins/windows/configured_window.hpp"
 #include "plugins/windows/fake_stream.hpp"
 
 namespace aslio {
@@ -119,6 +120,27 @@ TEST_CASE(
       CHECK(second->seg_time == (status == UpdateStatus::ok ? 2 : static_cast<double>(weak_segments)));
     }
   }
+}
+
+TEST_CASE(
+    "n_least keeps old points in the window at full overlap, and a weak update with fewer segments changes nothing") {
+  SodAdaptiveWindow::Params params = without_warmup();
+  params.n_least = 4;
+  params.weak_segments = 3;
+  for (const WindowPlan& plan : run(params, dense_stream(500), constant(1.0))) {
+    CHECK(plan.seg_time == 4);
+    CHECK(plan.end - plan.fresh_begin == 50 * kMs);
+    CHECK(plan.fresh_begin - plan.history_begin == 50 * kMs);
+  }
+}
+
+TEST_CASE("n_least above n_max, or with a shift below shift_min, is refused") {
+  using Catch::Contains;
+  const test::WindowCatalog catalog;
+  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 30, n_max: 25}"), Contains("n_least"));
+  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 4, shift_min: 0.06}"), Contains("shift_min"));
+  // 0.2 s hold it three times but for the last nanosecond.
+  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 3, shift_min: 0.0666666667}"), Contains("shift_min"));
 }
 
 TEST_CASE("the shortest shift limits n, so that n, shift and echo stay consistent") {

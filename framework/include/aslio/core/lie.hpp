@@ -95,7 +95,7 @@ struct Pose {
   Pose operator*(const Pose& other) const { return {R * other.R, R * other.p + p}; }
   Vec3 operator*(const Vec3& x) const { return R * x + p; }
   Pose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
-  /// By an error (theta [rad], p [m]) of the state: R Exp(theta), p + dp.
+  /// This pose moved by xi = (theta [rad], dp [m]): R Exp(theta), p + dp.
   Pose moved(const Vec6& xi) const { return {R * exp_so3(xi.head<3>()), p + xi.tail<3>()}; }
 };
 

@@ -35,7 +35,7 @@ class TrajectoryModel {
   virtual Pose pose(TimeNs t) const = 0;
   /// Number of unknowns.
   virtual int dof() const = 0;
-  /// T_W_I at t if every unknown were moved by its part of xi (length dof): poses by R Exp(theta), p + dp.
+  /// T_W_I at t if every unknown were moved by its part of xi (length dof): poses by R Exp(theta) [rad], p + dp [m].
   virtual Pose moved(TimeNs t, const Eigen::VectorXd& xi) const = 0;
   /// d(theta, p)(t) / d xi, 6 x dof, right perturbation of R, additive p: the slope of moved() at xi = 0. `out` is
   /// resized.
