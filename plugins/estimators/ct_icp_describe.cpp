@@ -15,9 +15,8 @@ void CtIcp::describe(config::Binder& b, Params& p) {
   b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one residual");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
-         "at a "
-         "5 m lever arm)");
+         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
+         "(rotation at a 5 m lever arm)");
   b.real("location", p.location, "", {.min = 0, .max = 1e6},
          "weight of the begin's distance from the end of the window before, in residuals of the mean point");
   b.real("orientation", p.orientation, "", {.min = 0, .max = 1e6},

@@ -25,9 +25,8 @@ void Icp::describe(config::Binder& b, Params& p) {
   b.real("min_motion", p.min_motion, "m", {.min = 0, .max = 10},
          "what the prediction was off by less than this is not learnt from");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
-         "at a "
-         "5 m lever arm)");
+         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
+         "(rotation at a 5 m lever arm)");
   b.stage("residual", p.residual, "what a match measures; its sigma is the learnt threshold");
 }
 

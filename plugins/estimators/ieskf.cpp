@@ -429,21 +429,16 @@ void Ieskf::record_residuals() {
   for (std::size_t i = 0; i < fresh_.body.size(); ++i) fresh_.world[i] = state_.R * fresh_.body[i] + state_.p;
   residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, params_.sigma, fresh_.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-  const std::size_t rows_per_chunk = kGrain * rows_per_match;
   double squares = 0;
   std::size_t accepted = 0;
-  for (std::size_t begin = 0; begin < fresh_.rows.size(); begin += rows_per_chunk) {
-    double part = 0;
-    for (std::size_t row = begin; row < std::min(begin + rows_per_chunk, fresh_.rows.size()); ++row) {
-      const ResidualRow& z = fresh_.rows[row];
-      if (z.information <= 0.0) continue;
-      part += z.r * z.r;
-      ++accepted;
-      MatchRecord& record = records_[row / rows_per_match];
-      record.accepted = true;
-      record.residual = static_cast<float>(z.r);
-    }
-    squares += part;
+  for (std::size_t row = 0; row < fresh_.rows.size(); ++row) {
+    const ResidualRow& z = fresh_.rows[row];
+    if (z.information <= 0.0) continue;
+    squares += z.r * z.r;
+    ++accepted;
+    MatchRecord& record = records_[row / rows_per_match];
+    record.accepted = true;
+    record.residual = static_cast<float>(z.r);
   }
   if (accepted > 0) result_.residual_rms = std::sqrt(squares / static_cast<double>(accepted));
 }

@@ -51,9 +51,8 @@ void Ieskf::describe(config::Binder& b, Params& p) {
             "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
             "for it (0: never)");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
-         "at a "
-         "5 m lever arm)");
+         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
+         "(rotation at a 5 m lever arm)");
   b.flag("degenerate_to_prior", p.degenerate_to_prior,
          "leave directions of which 0.1 s of the view know less than degenerate_sigma to the prior: what clutter and "
          "moving things say of "

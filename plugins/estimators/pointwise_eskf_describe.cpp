@@ -27,9 +27,8 @@ void PointwiseEskf::describe(config::Binder& b, Params& p) {
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6},
             "fewer matches in a window: it is followed by the IMU alone");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-         "a window is marked degenerate when 0.1 s of its view know the weakest direction worse than this (rotation at "
-         "a 5 m lever "
-         "arm)");
+         "a window is marked degenerate when 0.1 s of its view know the weakest direction worse than this "
+         "(rotation at a 5 m lever arm)");
   b.stage("residual", p.residual, "what a match measures");
 }
 

@@ -29,9 +29,8 @@ void Smoother::describe(config::Binder& b, Params& p) {
   b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10}, "the same for its attitude");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
-         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this (rotation "
-         "at a "
-         "5 m lever arm)");
+         "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
+         "(rotation at a 5 m lever arm)");
   b.stage("motion", p.motion, "pose and covariance between states");
   b.stage("residual", p.residual, "what a match measures");
 }
