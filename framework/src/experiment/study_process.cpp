@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -91,12 +92,16 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   ::close(report[1]);
   if (error == 0) error = error_of(report[0]);
   ::close(report[0]);
-  if (error == 0) return;
+  if (error == 0) {
+    descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, id_, 0));
+    return;
+  }
   if (id_ > 0) wait_for(id_);
   complain(error, log);
 }
 
 ChildProcess::~ChildProcess() {
+  if (descriptor_ >= 0) ::close(descriptor_);
   if (id_ < 0) return;
   kill();
   wait_for(id_);

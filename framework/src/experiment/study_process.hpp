@@ -37,6 +37,8 @@ class ChildProcess {
 
   /// Ends it where it is over a limit. Nothing while it runs.
   std::optional<ChildEnd> poll();
+  /// Readable from the moment it has ended (Linux 5.3); -1 where the kernel has no such thing.
+  int descriptor() const { return descriptor_; }
   /// Asks it to end, as Ctrl-C does.
   void interrupt() const;
   /// With everything that it has started.
@@ -46,6 +48,7 @@ class ChildProcess {
   double wall_s() const;
 
   pid_t id_ = -1;
+  int descriptor_ = -1;
   std::chrono::steady_clock::time_point start_;
   Limits limits_;
   std::optional<ChildEnd::Cause> limit_;  ///< that it was ended for

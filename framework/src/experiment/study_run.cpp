@@ -28,7 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kLook = 5;                    // between looks at the children [ms]
+constexpr int kLook = 50;                   // between looks at the children's memory and time [ms]
+constexpr int kLookBlind = 5;               // the same where the kernel does not tell of a child's end [ms]
 constexpr double kAsk = 0.2;                // between tries for a recording that another call is at work on [s]
 constexpr double kShow = 0.2;               // between reports of progress [s]
 constexpr double kGrace = 10;               // for children to end after Ctrl-C [s]
@@ -92,7 +93,7 @@ class Schedule {
       }
       if (active_.empty() && (!blocked_ || result_.interrupted)) break;
       show();
-      ::poll(nullptr, 0, kLook);  // or until a signal comes
+      wait();
     }
     write_tables();
     return std::move(result_);
@@ -117,6 +118,14 @@ class Schedule {
     std::vector<std::string> command = {};  ///< of a run, with its final folder
     Clock::time_point begun = Clock::now();
   };
+
+  /// Until a child ends, a signal comes, or it is time to look.
+  void wait() {
+    waited_.clear();
+    for (const Active& active : active_) waited_.push_back({active.child->descriptor(), POLLIN, 0});
+    const bool told = std::all_of(waited_.begin(), waited_.end(), [](const pollfd& child) { return child.fd >= 0; });
+    ::poll(waited_.data(), waited_.size(), told ? kLook : kLookBlind);
+  }
 
   bool asks_for(std::string_view output) const {
     const auto& outputs = study_.config.outputs;
@@ -408,6 +417,7 @@ class Schedule {
   std::vector<DataProgress> data_;
   std::vector<RunState> states_;
   std::vector<Active> active_;
+  std::vector<pollfd> waited_;
   std::size_t total_ = 0, done_ = 0, failed_ = 0;  ///< runs of this call
   bool changed_ = true;                            ///< since the last look for something to start
   bool blocked_ = false;                           ///< another call is at work on what could be started
