@@ -163,7 +163,7 @@ TEST_CASE("a study that is killed ten times ends with the tables of one that was
   int killed = 0;
   for (int i = 0; i < 10; ++i) {
     random = random * 1664525U + 1013904223U;
-    const std::chrono::milliseconds limit(5 + (random >> 16U) % 60);
+    const std::chrono::milliseconds limit(5 + (random >> 16U) % 40);
     killed += run_apart(study, options(files.folder / "killed"), after(limit)) == 256 + SIGKILL ? 1 : 0;
   }
   CHECK(killed == 10);

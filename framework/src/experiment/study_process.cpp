@@ -93,7 +93,9 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   if (error == 0) error = error_of(report[0]);
   ::close(report[0]);
   if (error == 0) {
+#ifdef SYS_pidfd_open
     descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, id_, 0));
+#endif
     return;
   }
   if (id_ > 0) wait_for(id_);

@@ -37,7 +37,7 @@ class ChildProcess {
 
   /// Ends it where it is over a limit. Nothing while it runs.
   std::optional<ChildEnd> poll();
-  /// Readable from the moment it has ended (Linux 5.3); -1 where the kernel has no such thing.
+  /// Readable from the moment it has ended; -1 where there is none to be had (before Linux 5.3, or no more files).
   int descriptor() const { return descriptor_; }
   /// Asks it to end, as Ctrl-C does.
   void interrupt() const;
