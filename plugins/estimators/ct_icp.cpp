@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // points per chunk of a reduction
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr int kVelocityUpdates = 5;  // of a dynamic start
 
 double angle_between(const Mat3& a, const Mat3& b) { return log_so3(a.transpose() * b).norm(); }
 
@@ -31,7 +30,7 @@ CtIcp::CtIcp(const Params& params, const BuildContext& context)
 
 void CtIcp::reset(const InitialState& initial) {
   initial_ = initial;
-  velocity_updates_ = 0;
+  velocity_.begin(initial);
   state_ = initial.state;
   P_.setZero();
   twist_ = {};
@@ -221,7 +220,7 @@ void CtIcp::accept() {
   if (uses_imu()) {
     state_ = imu_.correct(prior_, path_.end(), information);
     set_path(path_.begin(), state_.pose());
-    if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
+    if (velocity_.active()) find_velocity_alone();
   } else {
     state_.R = path_.end().R;
     state_.p = path_.end().p;
@@ -236,13 +235,9 @@ void CtIcp::accept() {
 
 /// eq. INI-3: the first windows were predicted with a wrong velocity, and the map holds what they smeared.
 void CtIcp::find_velocity_alone() {
-  constexpr double shrink = 0.4, least = 0.05;  // least: [m/s]
-  ++velocity_updates_;
-  state_.b_w = initial_.state.b_w;
-  state_.b_a = initial_.state.b_a;
-  state_.g = initial_.state.g;
+  velocity_.step(plan_, state_);
   InitialState known = initial_;
-  known.sigma_velocity = std::max(least, initial_.sigma_velocity * std::pow(shrink, velocity_updates_));
+  known.sigma_velocity = velocity_.sigma_velocity();
   imu_.reset(known);
   result_.restart_map = true;
 }

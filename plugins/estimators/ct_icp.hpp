@@ -8,6 +8,7 @@
 #include "estimators/imu_track.hpp"
 #include "estimators/information_update.hpp"
 #include "estimators/point_matches.hpp"
+#include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 
@@ -67,7 +68,7 @@ class CtIcp final : public Estimator {
   ImuTrack imu_;
 
   InitialState initial_;
-  int velocity_updates_ = 0;  ///< accepted updates of a dynamic start, with IMU
+  VelocitySearch velocity_;
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
   ConstantTwist twist_;

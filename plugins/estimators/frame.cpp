@@ -19,6 +19,7 @@ void Frame::reserve(std::size_t points) {
   match_range_.reserve(points);
   match_raw_.reserve(points);
   match_time_.reserve(points);
+  placed_.reserve(points);
   for (auto& list : world_) list.reserve(points);
 }
 
@@ -73,20 +74,16 @@ struct EndSegment {
         w(s.w),
         w2(s.w.squaredNorm()) {}
 
-  Vec3 at_end(const Vec3& p_I, double tau) const {
-    const double x = w2 * tau * tau;  // squared angle
-    double A = 0;
-    double B = 0;
-    if (x < 0.01) {  // below 0.1 rad: series of sin(x)/x and (1 - cos x)/x^2, exact to 1e-12
-      A = tau * (1.0 - x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0)));
-      B = tau * tau * (0.5 - x / 24.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0)));
-    } else {
-      const double rate = std::sqrt(w2);
-      A = std::sin(rate * tau) / rate;
-      B = (1.0 - std::cos(rate * tau)) / w2;
+  PointLanes at_end(const PointLanes& p_I, const PointLanes::Lane& tau) const {
+    PointLanes::Lane A{}, B{};
+    turn_factors(w2, tau, A, B);
+    PointLanes out = p_I.turned(w, A, B).moved(R, p);
+    for (std::size_t l = 0; l < tau.size(); ++l) {
+      out.x[l] += tau[l] * (v.x() + tau[l] * half_a.x());
+      out.y[l] += tau[l] * (v.y() + tau[l] * half_a.y());
+      out.z[l] += tau[l] * (v.z() + tau[l] * half_a.z());
     }
-    const Vec3 c = w.cross(p_I);
-    return R * (p_I + A * c + B * w.cross(c)) + p + tau * (v + tau * half_a);
+    return out;
   }
 };
 
@@ -96,16 +93,27 @@ void bring_to_end(const WindowTrajectory& trajectory, const Pose& T_imu_lidar, s
                   const Out& out) {
   const auto segments = trajectory.segments();
   const NavState& end = trajectory.predicted_end();
-  const auto in_imu = [&](const TimedPoint& p) { return T_imu_lidar * Vec3(p.x, p.y, p.z); };
   std::size_t i = 0;
+  PointLanes measured;
+  PointLanes::Lane tau{};
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const EndSegment segment(segments[s], end);
     const TimeNs until = s + 1 < segments.size() ? segments[s + 1].t : kTimeMax;
-    for (; i < count && raw_of(i).t <= until; ++i) {
-      out(i, segment.at_end(in_imu(raw_of(i)), to_seconds(raw_of(i).t - segments[s].t)));
+    while (i < count && raw_of(i).t <= until) {
+      std::size_t n = 0;
+      for (; n < PointLanes::kWidth && i + n < count && raw_of(i + n).t <= until; ++n) {
+        const TimedPoint& raw = raw_of(i + n);
+        measured.set(n, Vec3(raw.x, raw.y, raw.z));
+        tau[n] = to_seconds(raw.t - segments[s].t);
+      }
+      std::fill(tau.begin() + static_cast<std::ptrdiff_t>(n), tau.end(), tau[0]);
+      const PointLanes placed = segment.at_end(measured.moved(T_imu_lidar.R, T_imu_lidar.p), tau);
+      for (std::size_t l = 0; l < n; ++l) out(i + l, placed[l]);
+      i += n;
     }
   }
-  for (; i < count; ++i) out(i, in_imu(raw_of(i)));  // no IMU at all: the points stay as measured
+  // No IMU at all: the points stay as measured.
+  for (; i < count; ++i) out(i, T_imu_lidar * Vec3(raw_of(i).x, raw_of(i).y, raw_of(i).z));
 }
 
 }  // namespace
@@ -169,14 +177,14 @@ void Frame::list_matches() {
   }
 }
 
-/// `world_of(point, p_I)` tells p_W.
+/// `world_of(i)` tells p_W of the i-th kept point.
 template <class WorldOf>
 void Frame::place_each(const WorldOf& world_of) {
   for (auto& list : world_) list.clear();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     if (taps_[i] == 0) continue;
     const TimedPoint& p = raw_[i];
-    const WorldPoint point{world_of(p, body_[i].cast<double>()),
+    const WorldPoint point{world_of(i),
                            p.t,
                            Eigen::Vector3f(p.x, p.y, p.z).norm(),
                            p.intensity,
@@ -191,13 +199,15 @@ void Frame::place_each(const WorldOf& world_of) {
 
 void Frame::place(const WindowTrajectory& trajectory) {
   const Pose& end = trajectory.corrected_end();
-  place_each([&](const TimedPoint& p, const Vec3& p_I) -> Vec3 {
-    return end * trajectory.in_end(p_I, trajectory.share(p.t));
-  });
+  placed_.resize(raw_.size());
+  trajectory.to_end(
+      raw_.size(), [&](std::size_t i) -> Vec3 { return body_[i].cast<double>(); },
+      [&](std::size_t i) { return raw_[i].t; }, [&](std::size_t i, const Vec3& p_I) { placed_[i] = end * p_I; });
+  place_each([&](std::size_t i) -> const Vec3& { return placed_[i]; });
 }
 
 void Frame::place_along(const TrajectoryModel& trajectory) {
-  place_each([&](const TimedPoint& p, const Vec3& p_I) -> Vec3 { return trajectory.pose(p.t) * p_I; });
+  place_each([&](std::size_t i) -> Vec3 { return trajectory.pose(raw_[i].t) * body_[i].cast<double>(); });
 }
 
 }  // namespace aslio::plugins

@@ -64,6 +64,7 @@ class Frame {
   std::vector<std::uint32_t> match_raw_;  ///< into raw_
   std::vector<TimeNs> match_time_;
   std::vector<std::uint8_t> match_feature_;
+  std::vector<Vec3> placed_;  ///< of raw_, in W
   std::array<std::vector<WorldPoint>, 3> world_;
 };
 

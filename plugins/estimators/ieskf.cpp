@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "aslio/core/cpu_clock.hpp"
+#include "estimators/information_lanes.hpp"
 #include "estimators/point_matches.hpp"
 
 namespace aslio::plugins {
@@ -14,7 +15,6 @@ namespace {
 
 constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr int kVelocityUpdates = 5;  // of a dynamic start
 
 /// Directions are compared in metres: a rotation counts at the lever arm of a typical point.
 Vec6 direction_scale() {
@@ -44,7 +44,7 @@ Ieskf::Ieskf(const Params& params, const BuildContext& context)
 
 void Ieskf::reset(const InitialState& initial) {
   initial_ = initial;
-  velocity_updates_ = 0;
+  velocity_.begin(initial);
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
   dead_reckoning_.forget();
@@ -141,10 +141,12 @@ void Ieskf::load_history(const HistorySelection& past) {
   }
 }
 
-void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
-  const std::size_t n = set.body.size();
-  set.resize(n, static_cast<std::size_t>(residual_->rows_per_match()));
-  for (std::size_t i = 0; i < n; ++i) set.world[i] = at.R * set.body[i] + at.p;
+void Ieskf::place(MatchSet& set, const NavState& at) const {
+  set.resize(set.body.size(), static_cast<std::size_t>(residual_->rows_per_match()));
+  for (std::size_t i = 0; i < set.body.size(); ++i) set.world[i] = at.R * set.body[i] + at.p;
+}
+
+void Ieskf::associate(MatchSet& set, const Map& map, std::uint32_t max_stamp) {
   MapQuery query = residual_->query();
   query.max_stamp = max_stamp;
   if (residual_->surfaces_from_map()) return map.surfaces(set.world, query, set.surfaces);
@@ -153,30 +155,28 @@ void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::ui
 }
 
 WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) {
-  const std::size_t n = set.body.size();
-  for (std::size_t i = 0; i < n; ++i) set.world[i] = at.R * set.body[i] + at.p;
   residual_->evaluate(set.world, set.range, set.surfaces, params_.sigma, set.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   const Mat3 Rt = at.R.transpose();
-  return exec_.reduce(
-      n, kGrain, WindowInformation{}, std::span<WindowInformation>(set.partials),
-      [&](std::size_t begin, std::size_t end) {
-        WindowInformation sum;
-        for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
-          const ResidualRow& z = set.rows[row];
-          if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
-          const std::size_t i = row / rows_per_match;
-          const double weight = set.weight.empty() ? 1.0 : set.weight[i];
-          const double information = weight * z.information;
-          if (set.lag.empty()) {
-            sum.add(set.body[i], Rt, z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1
-          } else {
-            sum.add_late(set.body[i], Rt, z.J, z.r, information, set.lag[i]);
-          }
-        }
-        return sum;
-      },
-      [](WindowInformation& total, const WindowInformation& part) { total += part; });
+  const auto sum_of = [&](std::size_t begin, std::size_t end) {
+    WindowInformation sum;
+    InformationLanes lanes(Rt);
+    for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
+      const ResidualRow& z = set.rows[row];
+      if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
+      const std::size_t i = row / rows_per_match;
+      const double information = (set.weight.empty() ? 1.0 : set.weight[i]) * z.information;
+      if (set.lag.empty()) {
+        lanes.add(set.body[i], z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1
+      } else {
+        sum.add_late(set.body[i], Rt, z.J, z.r, information, set.lag[i]);
+      }
+    }
+    static_cast<PoseInformation&>(sum) += lanes.total();
+    return sum;
+  };
+  return exec_.reduce(set.body.size(), kGrain, WindowInformation{}, std::span<WindowInformation>(set.partials), sum_of,
+                      [](WindowInformation& total, const WindowInformation& part) { total += part; });
 }
 
 /// The normal equations of what the points see (eq. DSK-3).
@@ -259,9 +259,9 @@ void Ieskf::follow(const NavState& at) {
   }
   trajectory_.correct(at.pose());
   if (trajectory_.spread() == WindowTrajectory::Spread::rigid) return;
-  for (std::size_t i = 0; i < fresh_.body.size(); ++i) {
-    fresh_.body[i] = trajectory_.in_end(frame_.match_body()[i], trajectory_.share(frame_.match_time()[i]));
-  }
+  trajectory_.to_end(
+      fresh_.body.size(), [&](std::size_t i) -> const Vec3& { return frame_.match_body()[i]; },
+      [&](std::size_t i) { return frame_.match_time()[i]; }, [&](std::size_t i, const Vec3& p) { fresh_.body[i] = p; });
 }
 
 /// All residuals at the iterate.
@@ -276,7 +276,8 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
     reserve(frame_.match_body().size(), past.points.size());
     load_fresh();
     const CpuTimer timer(result_.times.associate, result_.times.solve);
-    associate(fresh_, at, context.map, 0xffffffff);
+    place(fresh_, at);
+    associate(fresh_, context.map, 0xffffffff);
     sums.fresh = evaluate(fresh_, at, no_gate);
   }
   sums.history = evaluate(history_, at, context.histories.gate(params_.sigma));
@@ -316,10 +317,14 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   bool search = true;
   int converged_steps = 0;
   for (int j = 0; j < params_.max_iterations; ++j) {
-    if (search) {
-      const CpuTimer timer(result_.times.associate);
-      associate(fresh_, x, context.map, 0xffffffff);
-      associate(history_, x, context.map, past.max_stamp);
+    {
+      const CpuTimer timer(search ? result_.times.associate : result_.times.solve);
+      place(fresh_, x);
+      place(history_, x);
+      if (search) {
+        associate(fresh_, context.map, 0xffffffff);
+        associate(history_, context.map, past.max_stamp);
+      }
     }
     const CpuTimer timer(result_.times.solve);
     const Evaluation sums = measure(x, j == 0, past, context);
@@ -364,23 +369,15 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   P_ = P;
   result_.accepted = true;
   result_.insert = true;
-  if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
+  if (velocity_.active()) find_velocity_alone();
   dead_reckoning_.begin(state_.t, P_);
 }
 
 /// eq. INI-3: the first windows were de-skewed with a wrong velocity; their displacements must not pass for
 /// acceleration.
 void Ieskf::find_velocity_alone() {
-  constexpr double shrink = 0.4, least = 0.05;  // least: [m/s]
-  ++velocity_updates_;
-  const NavState& start = initial_.state;
-  state_.b_w = start.b_w;
-  state_.b_a = start.b_a;
-  state_.g = start.g;
-  state_.S_w = start.S_w;
-  state_.imu_delay = start.imu_delay;
-  P_ = initial_covariance(initial_, params_.estimated,
-                          std::max(least, initial_.sigma_velocity * std::pow(shrink, velocity_updates_)));
+  velocity_.step(plan_, state_);
+  P_ = initial_covariance(initial_, params_.estimated, velocity_.sigma_velocity());
   result_.restart_map = true;
 }
 
@@ -426,7 +423,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
 
 /// Residuals of the fresh points at the posterior: the normal equations are not needed any more.
 void Ieskf::record_residuals() {
-  for (std::size_t i = 0; i < fresh_.body.size(); ++i) fresh_.world[i] = state_.R * fresh_.body[i] + state_.p;
+  place(fresh_, state_);
   residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, params_.sigma, fresh_.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   double squares = 0;

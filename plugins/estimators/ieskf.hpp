@@ -7,6 +7,7 @@
 #include "estimators/imu_noise.hpp"
 #include "estimators/information_update.hpp"
 #include "estimators/initial_covariance.hpp"
+#include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 
@@ -90,7 +91,9 @@ class Ieskf final : public Estimator {
   void reserve(std::size_t fresh, std::size_t history);
   void load_history(const HistorySelection& past);
   void iterate(const HistorySelection& past, const StepContext& context);
-  void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
+  /// Points of the set in W, for the two below.
+  void place(MatchSet& set, const NavState& at) const;
+  void associate(MatchSet& set, const Map& map, std::uint32_t max_stamp);
   WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
   Mat6 leave_degenerate_out(const Mat6& A) const;
@@ -113,7 +116,7 @@ class Ieskf final : public Estimator {
   std::unique_ptr<Residual> residual_;
 
   InitialState initial_;
-  int velocity_updates_ = 0;  ///< accepted updates of a dynamic start
+  VelocitySearch velocity_;
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
   DeadReckoning dead_reckoning_;

@@ -16,8 +16,6 @@ namespace {
 /// A reading this near to the limit of the range may be the limit itself.
 constexpr double kNearSaturation = 0.99;
 
-constexpr int kVelocityWindows = 5;  // of a dynamic start
-
 bool saturated(double reading, double limit) { return limit > 0 && std::abs(reading) >= kNearSaturation * limit; }
 
 /// Blocks of the error state that the navigation state has, too: there, here.
@@ -48,7 +46,7 @@ PointwiseEskf::PointwiseEskf(const Params& params, const BuildContext& context)
 void PointwiseEskf::reset(const InitialState& initial) {
   state_ = initial.state;
   initial_ = initial;
-  velocity_windows_ = 0;
+  velocity_.begin(initial);
   const NavState& s = initial.state;
   now_.x = {s.t, s.R, s.p, s.v, Vec3::Zero(), -(s.R.transpose() * s.g), s.g, s.b_w, s.b_a};
   doubt(initial.sigma_velocity);
@@ -71,12 +69,12 @@ void PointwiseEskf::doubt(double sigma_velocity) {
 /// of one direction lie a window apart, so that the end has moved by v T even where the path inside is still wrong: the
 /// points are placed anew along an even motion that ends there.
 void PointwiseEskf::find_velocity_alone(const PointwiseState& begin) {
-  constexpr double shrink = 0.4, least = 0.05;  // least: [m/s]
-  ++velocity_windows_;
   PointwiseState& x = now_.x;
-  x.g = initial_.state.g;
-  x.b_w = initial_.state.b_w;
-  x.b_a = initial_.state.b_a;
+  NavState start = x.nav();
+  velocity_.step(plan_, start);
+  x.g = start.g;
+  x.b_w = start.b_w;
+  x.b_a = start.b_a;
   const double duration = to_seconds(x.t - begin.t);
   x.v = (x.p - begin.p) / duration;
   Mat3 turned = Mat3::Identity();
@@ -104,7 +102,7 @@ void PointwiseEskf::find_velocity_alone(const PointwiseState& begin) {
   x.w = even.w;
   x.a = -(x.R.transpose() * x.g);
   mark();
-  doubt(std::max(least, initial_.sigma_velocity * std::pow(shrink, velocity_windows_)));
+  doubt(velocity_.sigma_velocity());
   result_.restart_map = true;
 }
 
@@ -312,7 +310,7 @@ void PointwiseEskf::accept(const PointwiseState& begin) {
   result_.spectrum = pose_spectrum(information_);
   const bool open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   result_.status = open ? UpdateStatus::degenerate : UpdateStatus::ok;
-  if (initial_.mode == InitialMode::dynamic_start && velocity_windows_ < kVelocityWindows) find_velocity_alone(begin);
+  if (velocity_.active()) find_velocity_alone(begin);
   dead_reckoning_.begin(now_.x.t, now_.P);
 }
 

@@ -7,6 +7,7 @@
 #include "estimators/initial_covariance.hpp"
 #include "estimators/knot_trajectory.hpp"
 #include "estimators/pointwise_state.hpp"
+#include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 
@@ -72,7 +73,7 @@ class PointwiseEskf final : public Estimator {
   std::unique_ptr<Residual> residual_;
 
   InitialState initial_;
-  int velocity_windows_ = 0;  ///< accepted windows of a dynamic start
+  VelocitySearch velocity_;
   Belief now_;
   NavState state_;
   DeadReckoning dead_reckoning_;

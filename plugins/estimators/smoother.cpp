@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr int kVelocityUpdates = 5;  // of a dynamic start
 
 }  // namespace
 
@@ -27,7 +26,7 @@ Smoother::Smoother(const Params& params, const BuildContext& context)
 
 void Smoother::reset(const InitialState& initial) {
   initial_ = initial;
-  velocity_updates_ = 0;
+  velocity_.begin(initial);
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
   left_open_ = false;
@@ -168,23 +167,15 @@ void Smoother::accept() {
   if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;
   result_.accepted = true;
   trace_all();
-  if (initial_.mode == InitialMode::dynamic_start && velocity_updates_ < kVelocityUpdates) find_velocity_alone();
+  if (velocity_.active()) find_velocity_alone();
   dead_reckoning_.begin(state_.t, P_);
 }
 
 /// eq. INI-3: the first windows were de-skewed with a wrong velocity; their displacements must not pass for
 /// acceleration.
 void Smoother::find_velocity_alone() {
-  constexpr double shrink = 0.4, least = 0.05;  // least: [m/s]
-  ++velocity_updates_;
-  const NavState& start = initial_.state;
-  state_.b_w = start.b_w;
-  state_.b_a = start.b_a;
-  state_.g = start.g;
-  state_.S_w = start.S_w;
-  state_.imu_delay = start.imu_delay;
-  P_ = initial_covariance(initial_, params_.estimated,
-                          std::max(least, initial_.sigma_velocity * std::pow(shrink, velocity_updates_)));
+  velocity_.step(plan_, state_);
+  P_ = initial_covariance(initial_, params_.estimated, velocity_.sigma_velocity());
   result_.restart_map = true;
 }
 

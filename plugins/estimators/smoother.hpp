@@ -8,6 +8,7 @@
 #include "estimators/initial_covariance.hpp"
 #include "estimators/point_matches.hpp"
 #include "estimators/slice_path.hpp"
+#include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 
@@ -96,7 +97,7 @@ class Smoother final : public Estimator, private PointRevision {
   std::unique_ptr<Residual> residual_;
 
   InitialState initial_;
-  int velocity_updates_ = 0;  ///< accepted updates of a dynamic start
+  VelocitySearch velocity_;
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
   bool left_open_ = false;  ///< the last update left a direction open, or was refused after others were not

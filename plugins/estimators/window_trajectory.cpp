@@ -44,17 +44,17 @@ Pose WindowTrajectory::end_at(double alpha) const {
 }
 
 /// eq. DSK-2: T_k^-1 T_alpha p.
-Vec3 WindowTrajectory::in_end(const Vec3& p, double alpha) const {
-  if (spread_ == Spread::rigid) return p;
-  const double rest = 1.0 - alpha, angle2 = rest * rest * turn_.squaredNorm();
-  // sin(x)/x and (1 - cos x)/x^2 of the angle that is not turned yet: corrections are small.
-  const bool small = angle2 < 0.01;
-  const double angle = small ? 0.0 : std::sqrt(angle2);
-  const double A = small ? 1.0 - angle2 / 6.0 * (1.0 - angle2 / 20.0 * (1.0 - angle2 / 42.0)) : std::sin(angle) / angle;
-  const double B =
-      small ? 0.5 - angle2 / 24.0 * (1.0 - angle2 / 30.0 * (1.0 - angle2 / 56.0)) : (1.0 - std::cos(angle)) / angle2;
-  const Vec3 left = rest * turn_, across = left.cross(p);
-  return p - A * across + B * left.cross(across) - rest * move_;
+PointLanes WindowTrajectory::in_end(const PointLanes& p, const PointLanes::Lane& alpha) const {
+  PointLanes::Lane rest{}, A{}, B{};  // of the correction, what is still to come
+  for (std::size_t l = 0; l < rest.size(); ++l) rest[l] = alpha[l] - 1.0;
+  turn_factors(turn_.squaredNorm(), rest, A, B);
+  PointLanes out = p.turned(turn_, A, B);
+  for (std::size_t l = 0; l < rest.size(); ++l) {
+    out.x[l] += rest[l] * move_.x();
+    out.y[l] += rest[l] * move_.y();
+    out.z[l] += rest[l] * move_.z();
+  }
+  return out;
 }
 
 Pose WindowTrajectory::predicted(TimeNs t) const {

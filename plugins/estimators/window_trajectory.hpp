@@ -1,10 +1,12 @@
 #pragma once
 /// T_W_I over the fresh interval of one window, as predicted and after the correction of its end.
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
 #include "aslio/stages/estimator.hpp"
+#include "estimators/point_lanes.hpp"
 
 namespace aslio::plugins {
 
@@ -32,8 +34,10 @@ class WindowTrajectory final : public TrajectoryModel {
   /// Where a point that the prediction brings to p in the frame of the end lies at share `alpha` of the interval:
   /// corrected_end() * p for a rigid correction.
   Pose end_at(double alpha) const;
-  /// The same point in the frame of corrected_end().
-  Vec3 in_end(const Vec3& p, double alpha) const;
+  /// The same points in the frame of corrected_end(): hands the i-th of `count` to out(i, p); point_of(i) is where the
+  /// prediction brings it, time_of(i) its time.
+  template <class PointOf, class TimeOf, class Out>
+  void to_end(std::size_t count, const PointOf& point_of, const TimeOf& time_of, const Out& out) const;
   const Pose& corrected_end() const { return corrected_end_; }
   /// Of the interval that has passed at t, in [0, 1].
   double share(TimeNs t) const;
@@ -45,6 +49,7 @@ class WindowTrajectory final : public TrajectoryModel {
 
  private:
   Pose predicted(TimeNs t) const;
+  PointLanes in_end(const PointLanes& p, const PointLanes::Lane& alpha) const;
 
   Spread spread_;
   TimeNs begin_ = 0;
@@ -53,5 +58,24 @@ class WindowTrajectory final : public TrajectoryModel {
   Pose corrected_end_;
   Vec3 turn_ = Vec3::Zero(), move_ = Vec3::Zero();  ///< correction of the end, seen from there
 };
+
+template <class PointOf, class TimeOf, class Out>
+void WindowTrajectory::to_end(std::size_t count, const PointOf& point_of, const TimeOf& time_of, const Out& out) const {
+  if (spread_ == Spread::rigid) {
+    for (std::size_t i = 0; i < count; ++i) out(i, point_of(i));
+    return;
+  }
+  PointLanes points;
+  PointLanes::Lane alpha{};
+  for (std::size_t first = 0; first < count; first += PointLanes::kWidth) {
+    const std::size_t n = std::min(PointLanes::kWidth, count - first);
+    for (std::size_t l = 0; l < n; ++l) {
+      points.set(l, point_of(first + l));
+      alpha[l] = share(time_of(first + l));
+    }
+    const PointLanes placed = in_end(points, alpha);
+    for (std::size_t l = 0; l < n; ++l) out(first + l, placed[l]);
+  }
+}
 
 }  // namespace aslio::plugins

@@ -57,8 +57,8 @@ void VoxelSampler::sample(SampleBatch& batch) {
 }
 
 void VoxelSampler::start_pass(std::size_t points) {
-  const std::size_t wanted = std::bit_ceil(2 * points);   // at most half full
-  if (slots_.size() < wanted) slots_.resize(2 * wanted);  // the next larger frame needs no memory
+  const std::size_t wanted = std::bit_ceil(points + points / 2 + 1);  // at least a third free, if no two share a cube
+  if (slots_.size() < wanted) slots_.resize(2 * wanted);              // the next larger frame needs no memory
   if (keep_ == Keep::mean && sums_.size() < slots_.size()) sums_.resize(slots_.size());
   shift_ = 64 - std::countr_zero(wanted);
   if (++pass_ == 0) {

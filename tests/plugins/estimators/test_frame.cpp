@@ -69,7 +69,11 @@ TEST_CASE("de-skew puts a world point where every measurement of it says") {  //
 }
 
 TEST_CASE("points are placed where the corrected trajectory was when they were measured") {  // eq. DSK-2
-  for (const auto spread : {WindowTrajectory::Spread::rigid, WindowTrajectory::Spread::linear}) {
+  using Spread = WindowTrajectory::Spread;
+  // Corrections as they come, and one of half a radian: the series and the closed form.
+  for (const auto& [spread, correction] :
+       {std::pair{Spread::rigid, 1.0}, {Spread::linear, 1.0}, {Spread::linear, 15.0}}) {
+    CAPTURE(correction);
     WindowTrajectory trajectory = turning_trajectory(3.0, 20, 0.005, spread);
     SensorModel sensor;
     sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(0.04, 0.02, -0.03)};
@@ -85,7 +89,7 @@ TEST_CASE("points are placed where the corrected trajectory was when they were m
     frame.deskew(trajectory);
     frame.sample_body(keep_all);
     const Pose end = trajectory.predicted_end().pose();
-    trajectory.correct({end.R * exp_so3(Vec3(0.02, -0.03, 0.01)), end.p + Vec3(0.1, 0.2, -0.1)});
+    trajectory.correct({end.R * exp_so3(correction * Vec3(0.02, -0.03, 0.01)), end.p + Vec3(0.1, 0.2, -0.1)});
     frame.place(trajectory);
     const auto placed = frame.world(Tap::map);
     REQUIRE(placed.size() == raw.size());

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "estimators/information_lanes.hpp"
 #include "estimators/information_update.hpp"
 
 using namespace aslio;
@@ -190,4 +191,26 @@ TEST_CASE("gravity on the sphere keeps its length") {  // eq. IESKF-2
   d.segment<3>(block::g) = Vec3(0.5, -0.3, 0.2);
   CHECK(box_plus(x, d, true).g.norm() == Approx(kStandardGravity).epsilon(1e-12));
   CHECK(box_plus(x, d, false).g.norm() != Approx(kStandardGravity).epsilon(1e-4));
+}
+
+TEST_CASE("rows summed up in lanes are rows summed up one by one") {  // eq. IESKF-1
+  const Mat3 Rt = exp_so3(Vec3(0.4, -0.2, 0.9)).transpose();
+  for (const int n : {0, 1, 7, 8, 9, 61}) {
+    PoseInformation one_by_one;
+    InformationLanes lanes(Rt);
+    for (int i = 0; i < n; ++i) {
+      const Vec3 p_I(3 * std::sin(1.3 * i), 2 * std::cos(1.7 * i), std::sin(0.3 * i * i));
+      const Vec3 u = Vec3(std::sin(2.1 * i), std::cos(0.9 * i), std::sin(0.4 * i + 1)).normalized();
+      const double z = 0.02 * std::sin(5.0 * i), information = 900.0 + i, share = 0.1 + 0.01 * i;
+      one_by_one.add(p_I, Rt, u, z, information, share);
+      lanes.add(p_I, u, z, information, share);
+    }
+    const PoseInformation sum = lanes.total();
+    CHECK(sum.accepted == static_cast<std::size_t>(n));
+    CHECK((sum.A - one_by_one.A).norm() <= 1e-13 * one_by_one.A.norm());
+    CHECK((sum.b - one_by_one.b).norm() <= 1e-12 * one_by_one.b.norm());
+    CHECK(sum.squared_sum == Approx(one_by_one.squared_sum));
+    CHECK(sum.weighted_sum == Approx(one_by_one.weighted_sum));
+    CHECK(sum.A == sum.A.transpose());
+  }
 }

@@ -43,15 +43,17 @@ TEST_CASE("every registered sampler thins, and only ever clears bits") {
   }
 }
 
-TEST_CASE("every registered sampler is deterministic and takes an empty batch") {
+TEST_CASE("every registered sampler is deterministic and takes batches of no, one and few points") {
   EverySampler every;
   for (const std::string& type : every.all()) {
     CAPTURE(type);
     const auto one = every.make(type);
     const auto other = every.make(type);
-    test::Batch empty;
-    SampleBatch nothing = empty.view();
-    other->sample(nothing);
+    for (std::size_t points = 0; points <= 9; ++points) {
+      test::Batch few = test::random_batch(points, 7, 5.0f);
+      SampleBatch view = few.view();
+      other->sample(view);
+    }
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       test::Batch a = test::random_batch(3000, seed, 5.0f);
       test::Batch b = a;
