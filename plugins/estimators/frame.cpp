@@ -19,7 +19,6 @@ void Frame::reserve(std::size_t points) {
   match_range_.reserve(points);
   match_raw_.reserve(points);
   match_time_.reserve(points);
-  placed_.reserve(points);
   for (auto& list : world_) list.reserve(points);
 }
 
@@ -177,37 +176,35 @@ void Frame::list_matches() {
   }
 }
 
-/// `world_of(i)` tells p_W of the i-th kept point.
-template <class WorldOf>
-void Frame::place_each(const WorldOf& world_of) {
-  for (auto& list : world_) list.clear();
-  for (std::size_t i = 0; i < raw_.size(); ++i) {
-    if (taps_[i] == 0) continue;
-    const TimedPoint& p = raw_[i];
-    const WorldPoint point{world_of(i),
-                           p.t,
-                           Eigen::Vector3f(p.x, p.y, p.z).norm(),
-                           p.intensity,
-                           index_[i],
-                           p.line,
-                           static_cast<std::uint8_t>(features_[i] & ~feature_class::clearest)};
-    for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
-      if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
-    }
+/// The i-th kept point, at p_W, to the lists of its taps.
+void Frame::list_world(std::size_t i, const Vec3& p_W) {
+  if (taps_[i] == 0) return;
+  const TimedPoint& p = raw_[i];
+  const WorldPoint point{p_W,
+                         p.t,
+                         Eigen::Vector3f(p.x, p.y, p.z).norm(),
+                         p.intensity,
+                         index_[i],
+                         p.line,
+                         static_cast<std::uint8_t>(features_[i] & ~feature_class::clearest)};
+  for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
+    if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
   }
 }
 
 void Frame::place(const WindowTrajectory& trajectory) {
   const Pose& end = trajectory.corrected_end();
-  placed_.resize(raw_.size());
+  for (auto& list : world_) list.clear();
   trajectory.to_end(
       raw_.size(), [&](std::size_t i) -> Vec3 { return body_[i].cast<double>(); },
-      [&](std::size_t i) { return raw_[i].t; }, [&](std::size_t i, const Vec3& p_I) { placed_[i] = end * p_I; });
-  place_each([&](std::size_t i) -> const Vec3& { return placed_[i]; });
+      [&](std::size_t i) { return raw_[i].t; }, [&](std::size_t i, const Vec3& p_I) { list_world(i, end * p_I); });
 }
 
 void Frame::place_along(const TrajectoryModel& trajectory) {
-  place_each([&](std::size_t i) -> Vec3 { return trajectory.pose(raw_[i].t) * body_[i].cast<double>(); });
+  for (auto& list : world_) list.clear();
+  for (std::size_t i = 0; i < raw_.size(); ++i) {
+    if (taps_[i] != 0) list_world(i, trajectory.pose(raw_[i].t) * body_[i].cast<double>());
+  }
 }
 
 }  // namespace aslio::plugins

@@ -49,8 +49,7 @@ class Frame {
 
   void reserve(std::size_t points);
   void list_matches();
-  template <class WorldOf>
-  void place_each(const WorldOf& world_of);
+  void list_world(std::size_t i, const Vec3& p_W);
 
   Pose T_imu_lidar_;
   std::vector<TimedPoint> raw_;
@@ -64,7 +63,6 @@ class Frame {
   std::vector<std::uint32_t> match_raw_;  ///< into raw_
   std::vector<TimeNs> match_time_;
   std::vector<std::uint8_t> match_feature_;
-  std::vector<Vec3> placed_;  ///< of raw_, in W
   std::array<std::vector<WorldPoint>, 3> world_;
 };
 

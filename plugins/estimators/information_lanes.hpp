@@ -1,6 +1,6 @@
 #pragma once
-/// Rows of a pose summed up eight at a time, which a compiler turns into vector instructions: the sum is a large part of
-/// an update.
+/// Rows of a pose summed up eight at a time, which a compiler turns into vector instructions: the sum is a large part
+/// of an update.
 
 #include <array>
 

@@ -7,9 +7,9 @@
 
 namespace aslio::plugins {
 
-/// The begin of a start in motion, while updates find the velocity alone (docs/equations.md INI-3). Counted in time, not
-/// in windows: what a velocity can be known by is how far the view has moved. A window counts for at most 0.1 s: one that
-/// spans a gap, or is that long, is still one look.
+/// The begin of a start in motion, while updates find the velocity alone (docs/equations.md INI-3). Counted in time,
+/// not in windows: what a velocity can be known by is how far the view has moved. A window counts for at most 0.1 s:
+/// one that spans a gap, or is that long, is still one look.
 class VelocitySearch {
  public:
   void begin(const InitialState& initial) {
@@ -18,8 +18,8 @@ class VelocitySearch {
   }
   /// Whether the next accepted update is one of it.
   bool active() const { return initial_.mode == InitialMode::dynamic_start && seen_ < kLength; }
-  /// What an accepted update over the fresh part of `plan` leaves of `state`: all but its pose and velocity is as it was
-  /// at the start.
+  /// What an accepted update over the fresh part of `plan` leaves of `state`: all but its pose and velocity is as it
+  /// was at the start.
   void step(const WindowPlan& plan, NavState& state) {
     seen_ += std::min(plan.end - plan.fresh_begin, kTenth);
     state.b_w = initial_.state.b_w;
