@@ -212,7 +212,8 @@ TEST_CASE("faster_lio does as well as the published program and costs half of it
 TEST_CASE("point_lio does as well as the published program and costs half of it") { check_published(kPointLio); }
 
 TEST_CASE(
-    "kiss_icp follows the published program within 15 cm on the KITTI drive; on the corridor it is lost, and says so") {
+    "kiss_icp follows the published program within 15 cm on the KITTI drive, and is lost on the corridor, which it "
+    "says") {
   const RecordedRun drive = run_on_kitti("kiss_icp");
   CHECK(drive.summary.status == pipeline::RunStatus::ok);
   const Trajectory published(io::read_tum(recorded("reference/kitti_0005/kiss_icp.tum")));
@@ -246,7 +247,8 @@ TEST_CASE("the systems without a published run stay whole on the corridor and ne
   }
 }
 
-TEST_CASE("ct_icp stays next to FAST-LIO2 on the KITTI drive; in the turns of the corridor it is lost, and says so") {
+TEST_CASE(
+    "ct_icp stays next to FAST-LIO2 on the KITTI drive, and is lost in the turns of the corridor, which it says") {
   const RecordedRun drive = run_on_kitti("ct_icp");
   CHECK((drive.summary.status == pipeline::RunStatus::ok || drive.summary.status == pipeline::RunStatus::degraded));
   CHECK(drive.ate_m() <= 0.04);

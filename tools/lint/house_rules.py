@@ -154,6 +154,12 @@ def no_unordered_iteration(sources):
 def no_test_that_cannot_fail(sources):
     # A semicolon ends the name that ctest hands over: no test has the rest, none runs, and that passes.
     yield from matching(sources, r'TEST_CASE\s*\(\s*"[^"]*;', "tests")
+    for source in sources:
+        if source.suffix in CODE and source.within("tests"):
+            code = list(source.code())
+            for (_, above), (i, line) in zip(code, code[1:]):
+                if re.search(r"TEST_CASE\s*\(\s*$", above) and re.match(r'\s*"[^"]*;', line):
+                    yield source, i, line.strip()
     yield from matching(sources, r"\bSUCCEED\s*\(|TEST_CASE\s*\(.*\[\.|REQUIRE\s*\(\s*true\s*\)|CHECK\s*\(\s*true\s*\)", "tests")
 
 
