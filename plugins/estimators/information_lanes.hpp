@@ -5,6 +5,7 @@
 #include <array>
 
 #include "estimators/information_update.hpp"
+#include "estimators/point_lanes.hpp"
 
 namespace aslio::plugins {
 
@@ -46,8 +47,8 @@ class InformationLanes {
   }
 
  private:
-  static constexpr std::size_t kWidth = 8;
-  using Lanes = std::array<double, kWidth>;
+  static constexpr std::size_t kWidth = PointLanes::kWidth;
+  using Lanes = PointLanes::Lane;
 
   static constexpr std::size_t slot(int i) { return static_cast<std::size_t>(i); }
   static double across(const Lanes& lanes) {

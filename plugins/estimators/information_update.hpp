@@ -19,12 +19,11 @@ struct PoseInformation {
   double weighted_sum = 0;  ///< sum z^2 / R
   std::size_t accepted = 0;
 
-  /// One row z = h(x): h = share [(p_I x R^T u)^T, u^T], information 1/R.
-  void add(const Vec3& p_I, const Mat3& R_transposed, const Vec3& u, double z, double information, double share = 1.0) {
+  /// One row z = h(x): h = [(p_I x R^T u)^T, u^T], information 1/R.
+  void add(const Vec3& p_I, const Mat3& R_transposed, const Vec3& u, double z, double information) {
     Vec6 h;
     const Vec3 u_I = R_transposed * u;
     h << p_I.cross(u_I), u;
-    h *= share;
     const Vec6 weighted = information * h;
     for (int column = 0; column < 6; ++column) A.col(column).noalias() += h[column] * weighted;  // in whole vectors
     b += z * weighted;

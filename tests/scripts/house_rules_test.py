@@ -83,6 +83,8 @@ class HouseRules(unittest.TestCase):
         self.assert_clean("plugins/maps/a.cpp", "int a;  // NOLINT(some-check): the reason\n")
         self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE("x", "[.]") {}\n')
         self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE("x; y") {}\n')
+        self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE(\n    "x "\n    "y; z") {}\n')
+        self.assert_clean("tests/core/a.cpp", 'TEST_CASE(\n    "x "\n    "y") {\n  CHECK(a == "b; c");\n}\n')
 
     def test_schema(self):
         self.assert_breaks("schema", "configs/pipelines/a.yaml", "window: {}\n")

@@ -202,7 +202,7 @@ TEST_CASE("rows summed up in lanes are rows summed up one by one") {  // eq. IES
       const Vec3 p_I(3 * std::sin(1.3 * i), 2 * std::cos(1.7 * i), std::sin(0.3 * i * i));
       const Vec3 u = Vec3(std::sin(2.1 * i), std::cos(0.9 * i), std::sin(0.4 * i + 1)).normalized();
       const double z = 0.02 * std::sin(5.0 * i), information = 900.0 + i, share = 0.1 + 0.01 * i;
-      one_by_one.add(p_I, Rt, u, z, information, share);
+      one_by_one.add(p_I, Rt, share * u, z, information);
       lanes.add(p_I, u, z, information, share);
     }
     const PoseInformation sum = lanes.total();
