@@ -50,6 +50,12 @@ void FixedLagSmoother::reset(const InitialState& initial) {
   result_ = Update{};
 }
 
+void FixedLagSmoother::adopt(const InertialEstimate& better) {
+  better.put(state_);
+  front_->adopt(better);
+  window_.clear();  // what it knew of them is another's
+}
+
 NavState FixedLagSmoother::predict(std::span<const ImuSample> imu) const {
   NavState state = state_;
   for (std::size_t i = 1; i < imu.size(); ++i) motion_->step(state, imu[i - 1], imu[i]);
@@ -94,14 +100,12 @@ void FixedLagSmoother::smooth(const Preintegration& motion, const Update& found)
 const Update& FixedLagSmoother::update(const Window& window, const HistorySelection& past, const StepContext& context) {
   const NavState before = state_;
   if (window_.empty()) start_window(before);
-  InitialState from = initial_;
-  from.state = before;
-  front_->reset(from);
   const Update& found = front_->update(window, past, context);
   result_ = found;
   state_ = found.state;
   const Preintegration motion(window.imu, window_.newest().b_w, window_.newest().b_a, params_.window.noise);
   if (motion.seconds > 0) smooth(motion, found);
+  front_->adopt({state_.v, state_.b_w, state_.b_a});
   result_.state = state_;
   result_.states = {&state_, 1};
   result_.P.setZero();

@@ -9,8 +9,8 @@ namespace aslio::plugins {
 
 /// A registration with a smoother behind it (LIO-SAM, Shan et al., IROS 2020): `front` finds the pose of each window
 /// from where the IMU takes the last state; its poses and what the IMU says between them are smoothed over the last
-/// states, and give velocity and biases (docs/equations.md LAG-1 to LAG-3). The pose is that of the front, which begins
-/// anew with the state found here before every window. Allocates.
+/// states, and give velocity and biases (docs/equations.md LAG-1 to LAG-3), from which the front goes on. The pose is
+/// that of the front. Allocates.
 class FixedLagSmoother final : public Estimator {
  public:
   struct Params {
@@ -27,6 +27,7 @@ class FixedLagSmoother final : public Estimator {
   MapContent map_content() const override { return front_->map_content(); }
   bool uses_history() const override { return front_->uses_history(); }
   void reset(const InitialState& initial) override;
+  void adopt(const InertialEstimate& better) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;

@@ -53,6 +53,7 @@ class Ieskf final : public Estimator {
     return residual_->surfaces_from_map() ? MapContent::surfaces : MapContent::points;
   }
   void reset(const InitialState& initial) override;
+  void adopt(const InertialEstimate& better) override { better.put(state_); }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;

@@ -55,6 +55,13 @@ void PointwiseEskf::reset(const InitialState& initial) {
   result_ = Update{};
 }
 
+void PointwiseEskf::adopt(const InertialEstimate& better) {
+  better.put(state_);
+  now_.x.v = better.v;
+  now_.x.b_w = better.b_w;
+  now_.x.b_a = better.b_a;
+}
+
 /// The covariance of the start.
 void PointwiseEskf::doubt(double sigma_velocity) {
   constexpr double rate_variance = 0.01, force_variance = 0.01;
@@ -199,19 +206,30 @@ void PointwiseEskf::take_points(std::size_t begin, std::size_t end, const Map& m
   mark();
 }
 
-/// The window's IMU samples after the one at its begin, with readings in between where they are far apart.
-void PointwiseEskf::load_imu(std::span<const ImuSample> imu) {
+/// Between two readings; an axis of which one is at its limit stays there, and is left out as that one is.
+ImuSample PointwiseEskf::between(const ImuSample& from, const ImuSample& to, double share) const {
+  const auto along = [&](const Vec3& a, const Vec3& b, double limit) {
+    Vec3 out;
+    for (int i = 0; i < 3; ++i) {
+      out[i] = saturated(a[i], limit) ? a[i] : saturated(b[i], limit) ? b[i] : a[i] + share * (b[i] - a[i]);
+    }
+    return out;
+  };
+  return {from.t + static_cast<TimeNs>(std::llround(share * static_cast<double>(to.t - from.t))),
+          along(from.gyro, to.gyro, params_.gyro_saturation), along(from.acc, to.acc, params_.acc_saturation)};
+}
+
+/// The window's IMU readings after its begin, with others in between where they are far apart. What was interpolated at
+/// its end is none: the reading itself is the next window's.
+void PointwiseEskf::load_imu(const Window& window) {
   imu_.clear();
+  const auto imu = window.imu;
   for (std::size_t s = 1; s < imu.size(); ++s) {
     const ImuSample& from = imu[s - 1];
     const ImuSample& to = imu[s];
-    const auto parts = static_cast<TimeNs>(std::floor(to_seconds(to.t - from.t) / params_.imu_step));
-    for (TimeNs part = 1; part < parts; ++part) {
-      const double share = static_cast<double>(part) / static_cast<double>(parts);
-      imu_.push_back({from.t + (to.t - from.t) * part / parts, from.gyro + share * (to.gyro - from.gyro),
-                      from.acc + share * (to.acc - from.acc)});
-    }
-    imu_.push_back(to);
+    const auto parts = static_cast<int>(std::floor(to_seconds(to.t - from.t) / params_.imu_step));
+    for (int part = 1; part < parts; ++part) imu_.push_back(between(from, to, static_cast<double>(part) / parts));
+    if (s + 1 < imu.size() || window.imu_read_at_end) imu_.push_back(to);
   }
 }
 
@@ -237,6 +255,7 @@ void PointwiseEskf::follow(const Window& window, const Map* map) {
     i = next;
   }
   advance(window.plan.end);
+  carry_covariance();
   mark();
 }
 
@@ -245,6 +264,8 @@ void PointwiseEskf::sample(const Window& window, const StepContext& context) {
   frame_.sample_raw(window.fresh, context.samplers);
   frame_.bring_to_imu();
   frame_.sample_body(context.samplers);
+  if (context.samplers.moves_points())
+    frame_.take_as_measured();  // a mean of points that are not de-skewed is no point
   const std::size_t n = frame_.match_body().size();
   if (records_.capacity() < n) {
     records_.reserve(2 * n);
@@ -258,7 +279,7 @@ const Update& PointwiseEskf::update(const Window& window, const HistorySelection
   plan_ = window.plan;
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
   sample(window, context);
-  load_imu(window.imu);
+  load_imu(window);
   const Belief before = now_;
   const bool match = context.map.size() > 0;
   {

@@ -42,6 +42,7 @@ class PointwiseEskf final : public Estimator {
   }
   bool uses_history() const override { return false; }
   void reset(const InitialState& initial) override;
+  void adopt(const InertialEstimate& better) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;
@@ -57,7 +58,8 @@ class PointwiseEskf final : public Estimator {
   void sample(const Window& window, const StepContext& context);
   void doubt(double sigma_velocity);
   void find_velocity_alone(const PointwiseState& begin);
-  void load_imu(std::span<const ImuSample> imu);
+  ImuSample between(const ImuSample& from, const ImuSample& to, double share) const;
+  void load_imu(const Window& window);
   void follow(const Window& window, const Map* map);
   void advance(TimeNs t);
   void carry_covariance();

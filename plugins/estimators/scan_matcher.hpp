@@ -43,6 +43,7 @@ class ScanMatcher final : public Estimator {
   bool uses_imu() const override { return params_.prediction == Prediction::imu; }
   bool uses_history() const override { return false; }
   void reset(const InitialState& initial) override;
+  void adopt(const InertialEstimate& better) override { better.put(state_); }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;

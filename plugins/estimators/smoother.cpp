@@ -35,6 +35,11 @@ void Smoother::reset(const InitialState& initial) {
   result_ = Update{};
 }
 
+void Smoother::adopt(const InertialEstimate& better) {
+  better.put(state_);
+  if (!slices_.empty()) better.put(slices_.back()->state);
+}
+
 NavState Smoother::predict(std::span<const ImuSample> imu) const {
   NavState state = state_;
   for (std::size_t i = 1; i < imu.size(); ++i) motion_->step(state, imu[i - 1], imu[i]);

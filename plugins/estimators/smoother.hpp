@@ -44,6 +44,7 @@ class Smoother final : public Estimator, private PointRevision {
   }
   bool uses_history() const override { return false; }
   void reset(const InitialState& initial) override;
+  void adopt(const InertialEstimate& better) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;

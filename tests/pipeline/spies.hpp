@@ -101,6 +101,7 @@ class EstimatorSpy final : public Estimator {
   MapContent map_content() const override { return inner_->map_content(); }
   bool uses_imu() const override { return inner_->uses_imu(); }
   void reset(const InitialState& initial) override { inner_->reset(initial); }
+  void adopt(const InertialEstimate& better) override { inner_->adopt(better); }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override {
     const Call call(observer_, "update");
     return inner_->update(window, past, context);

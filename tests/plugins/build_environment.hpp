@@ -1,5 +1,5 @@
 #pragma once
-/// What a stage under test is built with: one thread, a default sensor, and a log that can be read.
+/// What a stage under test is built with: one thread unless told, a default sensor, and a log that can be read.
 
 #include <spdlog/sinks/ostream_sink.h>
 
@@ -13,6 +13,8 @@ namespace aslio::test {
 
 class BuildEnvironment {
  public:
+  explicit BuildEnvironment(int threads = 1) : exec_(threads) {}
+
   SensorModel sensor;
   std::uint64_t order_seed = 0;
 
@@ -23,7 +25,7 @@ class BuildEnvironment {
   }
 
  private:
-  exec::Executor exec_{1};
+  exec::Executor exec_;
   std::ostringstream text_;
   std::shared_ptr<spdlog::logger> log_ =
       std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));

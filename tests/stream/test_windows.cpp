@@ -105,4 +105,6 @@ TEST_CASE("release keeps the IMU sample from which the next window interpolates"
   const Window window = stream.cut(plan_between(kEpoch + 4500, kEpoch + 6000), 2);
   CHECK(window.imu.front().gyro.x() == Approx(4.5));
   CHECK_FALSE(window.imu_extrapolated);
+  CHECK(window.imu_read_at_end);
+  CHECK_FALSE(stream.cut(plan_between(kEpoch + 6000, kEpoch + 7500), 3).imu_read_at_end);
 }

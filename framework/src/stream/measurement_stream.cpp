@@ -146,6 +146,8 @@ Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
   window.fresh = points(plan.fresh_begin, plan.end);
   const bool covered = imu_covering(plan.fresh_begin, plan.end, window_imu_);
   window.imu = window_imu_;
+  const std::size_t until = imu_.count_until(plan.end);
+  window.imu_read_at_end = until > 0 && imu_.all()[until - 1].t == plan.end;
   window.imu_extrapolated = !covered;
   last_cut_ = std::max(last_cut_, plan.end);
   return window;

@@ -62,6 +62,8 @@ void MyStage::reset(const InitialState& initial) {
   result_ = Update{};
 }
 
+void MyStage::adopt(const InertialEstimate& better) { better.put(state_); }
+
 NavState MyStage::predict(std::span<const ImuSample> imu) const {
   NavState out = state_;
   if (imu.empty()) return out;

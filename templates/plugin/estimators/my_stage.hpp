@@ -48,6 +48,7 @@ class MyStage final : public aslio::Estimator {
 
   aslio::MapContent map_content() const override;
   void reset(const aslio::InitialState& initial) override;
+  void adopt(const aslio::InertialEstimate& better) override;
   const aslio::Update& update(const aslio::Window& window, const aslio::HistorySelection& past,
                               const aslio::StepContext& context) override;
   const aslio::NavState& state() const override { return state_; }

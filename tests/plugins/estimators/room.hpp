@@ -76,6 +76,7 @@ class RoomWindow {
     window.sequence = sequence;
     window.fresh = fresh;
     window.imu = imu;
+    window.imu_read_at_end = true;
   }
   RoomWindow(TimeNs begin, TimeNs length, const TurningRoom& motion, std::uint32_t sequence, int points = 3000) {
     for (int i = 0; i <= 20; ++i) {
@@ -102,6 +103,7 @@ class RoomWindow {
     window.sequence = sequence;
     window.fresh = fresh;
     window.imu = imu;
+    window.imu_read_at_end = true;
   }
   RoomWindow(const RoomWindow&) = delete;
 

@@ -1,6 +1,7 @@
 #pragma once
 /// An estimator, `ieskf` unless the first override names another, in the room of room.hpp.
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,10 +31,13 @@ class ConstantHistory final : public HistoryPolicy {
 /// The filter in the room, at the origin and at rest.
 struct Filter {
   explicit Filter(const std::vector<std::string>& overrides = {}, double sigma_velocity = 0.05,
-                  bool imu_is_known = false, const Vec3& gravity = Vec3(0, 0, -kStandardGravity)) {
+                  bool imu_is_known = false, const Vec3& gravity = Vec3(0, 0, -kStandardGravity), int threads = 1)
+      : environment(threads) {
     environment.sensor.T_imu_lidar = Pose{};
     // Defaults, whatever the shipped files are tuned to.
-    std::vector<std::string> all = {"map={type: voxel_hash}"};
+    const auto is_map = [](const std::string& text) { return text.starts_with("map="); };
+    std::vector<std::string> all;
+    if (std::none_of(overrides.begin(), overrides.end(), is_map)) all.emplace_back("map={type: voxel_hash}");
     const bool other = !overrides.empty() && overrides.front().starts_with("estimator=");
     if (!other) all.emplace_back("estimator={type: ieskf}");
     all.insert(all.end(), overrides.begin(), overrides.end());

@@ -233,6 +233,49 @@ TEST_CASE(
   CHECK(error[0] > 2 * error[1]);
 }
 
+namespace {
+
+/// State after one window whose readings `change` has altered.
+template <class Change>
+std::uint64_t after(const std::string& keys, const Change& change) {
+  Filter filter({"estimator={type: pointwise_eskf" + keys + "}"});
+  filter.build_map(1);
+  RoomWindow room(kRoomEpoch, kTenth, TurningRoom{.rate = Vec3(0, 0, 0.5)}, 2);
+  change(room);
+  room.window.imu = room.imu;
+  return pipeline::state_digest(filter.update(room).state);
+}
+
+}  // namespace
+
+// eq. PTW-5.
+TEST_CASE("the pointwise filter takes readings alone, not what was interpolated at the end of a window") {
+  const auto last = [](double turn, bool read) {
+    return after("", [=](RoomWindow& room) {
+      room.imu.back().gyro.z() += turn;
+      room.window.imu_read_at_end = read;
+    });
+  };
+  CHECK(last(0, false) == last(0.3, false));
+  CHECK(last(0, true) != last(0.3, true));
+  CHECK(last(0, true) != last(0, false));
+}
+
+// eq. PTW-5.
+TEST_CASE("the pointwise filter believes nothing between a reading at the limit and another") {
+  const auto next = [](const std::string& keys, double rate) {
+    return after(keys, [=](RoomWindow& room) {
+      ImuSample begin = room.imu.front(), end = room.imu.back();
+      begin.gyro.z() = 2.0;  // clipped
+      end.gyro.z() = rate;
+      room.imu = {begin, end};
+      room.window.imu_read_at_end = false;
+    });
+  };
+  CHECK(next(", gyro_saturation: 2.0", 1.0) == next(", gyro_saturation: 2.0", 0.5));
+  CHECK(next("", 1.0) != next("", 0.5));
+}
+
 // eq. PTW-6.
 TEST_CASE("the pointwise filter finds the velocity of a start in motion") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.3), .drift = Vec3(1.5, -0.8, 0)};

@@ -98,6 +98,19 @@ struct StepContext {
   const HistoryPolicy& histories;
 };
 
+/// What an estimator behind another one knows better.
+struct InertialEstimate {
+  Vec3 v = Vec3::Zero();    ///< [m/s], in W
+  Vec3 b_w = Vec3::Zero();  ///< of the gyro [rad/s]
+  Vec3 b_a = Vec3::Zero();  ///< of the accelerometer [m/s^2]
+
+  void put(NavState& state) const {
+    state.v = v;
+    state.b_w = b_w;
+    state.b_a = b_a;
+  }
+};
+
 /// Contract. reset() before the first update. update(): predict to the end of the window, de-skew, sample, associate,
 /// solve. With an empty map there is nothing to match: status `initialising`, the prior is kept and points are placed
 /// with it. A refused step keeps the prior. Never throws on numerical trouble (UpdateStatus says it). Same bits for any
@@ -113,6 +126,9 @@ class Estimator : public Stage {
   /// Whether it takes points of earlier updates. If not, the history has to be `none`.
   virtual bool uses_history() const { return true; }
   virtual void reset(const InitialState& initial) = 0;
+  /// state() has this velocity and these biases from here on, as from a smoother that wraps this estimator. Its pose
+  /// and what the estimator remembers of earlier windows stay; one without IMU predicts from its poses, as before.
+  virtual void adopt(const InertialEstimate& better) = 0;
   virtual const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) = 0;
   /// Posterior state of the last update.
   virtual const NavState& state() const = 0;
