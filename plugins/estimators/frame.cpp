@@ -45,6 +45,7 @@ void Frame::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers
   raw_.clear();
   index_.clear();
   features_.clear();
+  moved_.clear();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     if (taps_[i] == 0) continue;
@@ -122,6 +123,7 @@ void Frame::deskew(const WindowTrajectory& trajectory) {
   bring_to_end(
       trajectory, T_imu_lidar_, raw_.size(), [&](std::size_t i) -> const TimedPoint& { return raw_[i]; },
       [&](std::size_t i, const Vec3& p) { body_[i] = p.cast<float>(); });
+  for (std::size_t i = 0; i < moved_.size(); ++i) body_[i] += moved_[i];
 }
 
 void Frame::bring_to_imu() {
@@ -137,14 +139,15 @@ void Frame::deskew_matches(const WindowTrajectory& trajectory) {
       [&](std::size_t i) -> const TimedPoint& { return raw_[match_raw_[i]]; },
       [&](std::size_t i, const Vec3& p) {
         match_body_[i] = p;
-        if (!deskewed_.empty()) match_body_[i] += (body_[match_raw_[i]] - deskewed_[match_raw_[i]]).cast<double>();
+        if (!moved_.empty()) match_body_[i] += moved_[match_raw_[i]].cast<double>();
       });
 }
 
 void Frame::sample_body(SamplerChain& samplers) {
-  if (samplers.moves_points()) deskewed_ = body_;
+  if (samplers.moves_points()) moved_ = body_;
   SampleBatch batch{raw_, body_, taps_, features_};
   samplers.sample(Sampler::ActsOn::body, batch);
+  for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = body_[i] - moved_[i];
   list_matches();
 }
 

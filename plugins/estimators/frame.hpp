@@ -19,7 +19,7 @@ class Frame {
             StageTimes& times);
   /// Raw phase of the chain over the fresh points; keeps those some tap still wants.
   void sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers);
-  /// p_I at the end of the window for every kept point (docs/equations.md DSK-1).
+  /// p_I at the end of the window for every kept point (docs/equations.md DSK-1), moved as samplers have moved it.
   void deskew(const WindowTrajectory& trajectory);
   /// p_I of every kept point as measured, without de-skew.
   void bring_to_imu();
@@ -29,7 +29,7 @@ class Frame {
   void take_as_measured();
   /// From now on until sample_raw(), every point for the map is one of the match tap, too.
   void match_all();
-  /// match_body() again, for another trajectory; the choice of points stays.
+  /// match_body() again, for another trajectory; the choice of points, and how samplers have moved them, stays.
   void deskew_matches(const WindowTrajectory& trajectory);
   /// World points of every tap, with the correction of the trajectory.
   void place(const WindowTrajectory& trajectory);
@@ -57,7 +57,7 @@ class Frame {
   std::vector<TapMask> taps_;
   std::vector<std::uint8_t> features_;
   std::vector<Eigen::Vector3f> body_;
-  std::vector<Eigen::Vector3f> deskewed_;  ///< body_ before samplers have moved points; empty where none does
+  std::vector<Eigen::Vector3f> moved_;  ///< by how much samplers have moved body_; empty where none does
   std::vector<Vec3> match_body_;
   std::vector<float> match_range_;
   std::vector<std::uint32_t> match_raw_;  ///< into raw_

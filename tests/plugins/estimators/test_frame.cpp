@@ -68,6 +68,51 @@ TEST_CASE("de-skew puts a world point where every measurement of it says") {  //
   }
 }
 
+namespace {
+
+/// Moves every point by as much.
+class Shift final : public Sampler {
+ public:
+  ActsOn acts_on() const override { return ActsOn::body; }
+  bool moves_points() const override { return true; }
+  void sample(SampleBatch& batch) override {
+    for (Eigen::Vector3f& p : batch.body) p += Eigen::Vector3f(0.25F, 0, 0);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("points that samplers have moved stay moved when they are de-skewed again") {
+  const WindowTrajectory trajectory = turning_trajectory(2.0, 20, 0.005);
+  Frame frame(SensorModel{});
+  std::vector<TimedPoint> raw;
+  for (int i = 1; i <= 10; ++i) {
+    raw.push_back({.x = 3, .y = 1, .z = 0.5F, .t = trajectory.segments().front().t + i * 9'000'000});
+  }
+  std::vector<std::unique_ptr<Sampler>> chain;
+  chain.push_back(std::make_unique<Shift>());
+  SamplerChain samplers(std::move(chain));
+  for (int window = 0; window < 2; ++window) {  // nor does a window move the points of the next
+    StageTimes times;
+    frame.load(raw, trajectory, samplers, times);
+    const std::vector<Vec3> before(frame.match_body().begin(), frame.match_body().end());
+    frame.deskew_matches(trajectory);
+    for (std::size_t i = 0; i < before.size(); ++i) CHECK((frame.match_body()[i] - before[i]).norm() < 1e-5);
+    frame.place(trajectory);
+    const auto world = frame.world(Tap::map);
+    const std::vector<WorldPoint> placed(world.begin(), world.end());
+    REQUIRE(placed.size() == raw.size());
+    frame.deskew(trajectory);
+    frame.place(trajectory);
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      CHECK((frame.world(Tap::map)[i].p_W - placed[i].p_W).norm() < 1e-5);
+    }
+    SamplerChain none;
+    frame.load(raw, trajectory, none, times);
+    CHECK((frame.match_body()[0] + Vec3(0.25, 0, 0) - before[0]).norm() < 1e-5);
+  }
+}
+
 TEST_CASE("points are placed where the corrected trajectory was when they were measured") {  // eq. DSK-2
   using Spread = WindowTrajectory::Spread;
   // Corrections as they come, and one of half a radian: the series and the closed form.
