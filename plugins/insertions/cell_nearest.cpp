@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "insertions/of_kind.hpp"
+
 namespace aslio::plugins {
 
 namespace {
@@ -28,18 +30,29 @@ bool InsertCellNearest::nearer_to_centre(std::size_t query) const {
 
 InsertCount InsertCellNearest::apply(const Window& window, const Update& update, Map& map) {
   const auto points = update.points(Tap::map);
+  InsertCount count{points.size(), 0};
+  for (const std::uint8_t kind : {feature_class::plane, feature_class::line}) {
+    count.inserted += insert(of_kind(points, kind, own_), kind, window.sequence, map);
+  }
+  return count;
+}
+
+std::size_t InsertCellNearest::insert(std::span<const WorldPoint> points, std::uint8_t kind, std::uint32_t stamp,
+                                      Map& map) {
+  if (points.empty()) return 0;
   if (queries_.capacity() < points.size()) {
     queries_.reserve(2 * points.size());
     chosen_.reserve(2 * points.size());
   }
   queries_.clear();
   for (const WorldPoint& point : points) queries_.push_back(point.p_W);
-  map.correspond(queries_, {.k = static_cast<int>(params_.k), .max_distance = kReach * params_.cell}, nearest_);
+  const MapQuery query{.k = static_cast<int>(params_.k), .max_distance = kReach * params_.cell, .feature = kind};
+  map.correspond(queries_, query, nearest_);
   chosen_.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!nearer_to_centre(i)) chosen_.push_back(points[i]);
   }
-  return {points.size(), map.insert(chosen_, window.sequence).inserted};
+  return map.insert(chosen_, stamp).inserted;
 }
 
 }  // namespace aslio::plugins

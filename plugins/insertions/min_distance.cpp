@@ -1,5 +1,7 @@
 #include "insertions/min_distance.hpp"
 
+#include "insertions/of_kind.hpp"
+
 namespace aslio::plugins {
 
 void InsertMinDistance::describe(config::Binder& b, Params& p) {
@@ -9,16 +11,26 @@ void InsertMinDistance::describe(config::Binder& b, Params& p) {
 
 InsertCount InsertMinDistance::apply(const Window& window, const Update& update, Map& map) {
   const auto points = update.points(Tap::map);
+  InsertCount count{points.size(), 0};
+  for (const std::uint8_t kind : {feature_class::plane, feature_class::line}) {
+    count.inserted += insert(of_kind(points, kind, own_), kind, window.sequence, map);
+  }
+  return count;
+}
+
+std::size_t InsertMinDistance::insert(std::span<const WorldPoint> points, std::uint8_t kind, std::uint32_t stamp,
+                                      Map& map) {
+  if (points.empty()) return 0;
   if (queries_.capacity() < points.size()) queries_.reserve(2 * points.size());
   queries_.clear();
   for (const WorldPoint& point : points) queries_.push_back(point.p_W);
-  map.correspond(queries_, {.k = 1, .max_distance = distance_}, nearest_);
+  map.correspond(queries_, {.k = 1, .max_distance = distance_, .feature = kind}, nearest_);
   spaced_.begin(points.size());
   const auto too_near = static_cast<float>(distance_ * distance_);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (nearest_.count[i] == 0 || nearest_.squared[i] >= too_near) spaced_.offer(points[i]);
   }
-  return {points.size(), map.insert(spaced_.taken(), window.sequence).inserted};
+  return map.insert(spaced_.taken(), stamp).inserted;
 }
 
 }  // namespace aslio::plugins

@@ -29,14 +29,14 @@ FeatureMaps::FeatureMaps(const Params& params, const BuildContext& context)
     : lines_(map_of_points(params.lines, "lines", context)), planes_(map_of_points(params.planes, "planes", context)) {}
 
 void FeatureMaps::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
-  (query.feature == feature_class::line ? lines_ : planes_)->correspond(queries, query, out);
+  (feature_class::kind(query.feature) == feature_class::line ? lines_ : planes_)->correspond(queries, query, out);
 }
 
 InsertCount FeatureMaps::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
   own_lines_.clear();
   own_planes_.clear();
   for (const WorldPoint& point : points) {
-    (point.feature == feature_class::line ? own_lines_ : own_planes_).push_back(point);
+    (feature_class::kind(point.feature) == feature_class::line ? own_lines_ : own_planes_).push_back(point);
   }
   const InsertCount lines = lines_->insert(own_lines_, stamp), planes = planes_->insert(own_planes_, stamp);
   return {lines.offered + planes.offered, lines.inserted + planes.inserted};

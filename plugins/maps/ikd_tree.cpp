@@ -70,7 +70,7 @@ void IkdTree::correspond(std::span<const Vec3> queries, const MapQuery& query, N
   exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       Nearest nearest(k, max_squared);
-      if (in_reach(queries[i])) tree_.search(queries[i], query.max_stamp, query.feature, nearest);
+      if (in_reach(queries[i])) tree_.search(queries[i], query.max_stamp, feature_class::kind(query.feature), nearest);
       nearest.write(out, i);
     }
   });
@@ -82,7 +82,7 @@ bool IkdTree::insert_one(const WorldPoint& point, std::uint32_t stamp) {
   bool replaces = false;
   if (params_.leaf > 0) {
     const Vec3 cell = (p * (1.0 / params_.leaf)).array().floor();
-    const std::uint32_t other = tree_.find_in_cell(cell, params_.leaf, point.feature);
+    const std::uint32_t other = tree_.find_in_cell(cell, params_.leaf, feature_class::kind(point.feature));
     if (other != PointTree::kNone) {
       const Vec3 centre = (cell + Vec3::Constant(0.5)) * params_.leaf;
       if ((tree_.point(other) - centre).squaredNorm() <= (p - centre).squaredNorm()) return false;
@@ -90,7 +90,7 @@ bool IkdTree::insert_one(const WorldPoint& point, std::uint32_t stamp) {
       replaces = true;
     }
   }
-  tree_.insert({p, stamp, next_order_++, point.feature});
+  tree_.insert({p, stamp, next_order_++, feature_class::kind(point.feature)});
   return !replaces;
 }
 

@@ -7,11 +7,11 @@
 
 namespace aslio::plugins {
 
-/// Points in an incremental k-d tree (Cai, Xu, Zhang 2021), thinned on insertion: of the points of one class in a cell
-/// of edge `leaf` the one nearest to the cell's centre stays, the older at equal distance. A point that takes the place
-/// of another counts as not inserted, since the map has not grown; it bears its own stamp. Exact at any distance.
-/// Points that are not finite or beyond 1e8 m are refused, queries there find nothing. trim() deletes exactly what is
-/// beyond the radius, at most once per metre of motion.
+/// Points in an incremental k-d tree (Cai, Xu, Zhang 2021), thinned on insertion: of the points of one kind (lines; all
+/// others) in a cell of edge `leaf` the one nearest to the cell's centre stays, the older at equal distance. A point
+/// that takes the place of another counts as not inserted, since the map has not grown; it bears its own stamp. Exact
+/// at any distance. Points that are not finite or beyond 1e8 m are refused, queries there find nothing. trim() deletes
+/// exactly what is beyond the radius, at most once per metre of motion.
 class IkdTree final : public Map {
  public:
   struct Params {

@@ -154,4 +154,45 @@ TEST_CASE("spaced points: nothing not finite or beyond all cells, whatever is ne
   CHECK(spaced.taken().size() == 1);
 }
 
+TEST_CASE("min_distance and cell_nearest look among points of the same kind, in every map that tells kinds apart") {
+  const auto classed = [](const Vec3& p, std::uint8_t feature) {
+    WorldPoint point = test::at(p);
+    point.feature = feature;
+    return point;
+  };
+  using namespace feature_class;
+  EveryInsertion every;
+  const Vec3 centre(0.25, 0.25, 0.25), aside(0.3, 0.25, 0.25), corner(0.45, 0.45, 0.45);
+  for (const std::string text : {"{type: min_distance, distance: 0.1}", "{type: cell_nearest, cell: 0.5}"}) {
+    for (const std::string map_text : {"{type: ikd_tree, leaf: 0}", "{type: feature_maps}"}) {
+      CAPTURE(text, map_text);
+      const auto insertion = every.insertion(text);
+      const auto map = every.map(map_text);
+      std::uint32_t stamp = 0;
+      const auto entered = [&](const std::vector<WorldPoint>& points) {
+        Update update;
+        update.map_points = points;
+        Window window;
+        window.sequence = ++stamp;
+        return insertion->apply(window, update, *map).inserted;
+      };
+      CHECK(entered({classed(centre, line), classed(centre, none)}) == 2);  // nor do two kinds of one update meet
+      const Vec3& late = text.find("min") != std::string::npos ? aside : corner;
+      CHECK(entered({classed(late, line)}) == 0);
+      CHECK(entered({classed(late, plane)}) == 0);
+    }
+    const auto insertion = every.insertion(text);
+    const auto map = every.map("{type: ikd_tree, leaf: 0}");
+    Update update;
+    Window window;
+    window.sequence = 1;
+    const std::vector<WorldPoint> lines{classed(centre, line)}, planes{classed(aside, plane)};
+    update.map_points = lines;
+    insertion->apply(window, update, *map);
+    update.map_points = planes;
+    window.sequence = 2;
+    CHECK(insertion->apply(window, update, *map).inserted == 1);
+  }
+}
+
 }  // namespace aslio

@@ -29,7 +29,8 @@ inline std::string unthinned(const std::string& type) {
   return found->second;
 }
 
-inline void for_every_point_map(const std::function<void(Map&, const EraseBox&)>& check) {
+/// `check` gets a map, how a box is deleted from it (if it can), and whether it tells lines from all else.
+inline void for_every_point_map(const std::function<void(Map&, const EraseBox&, bool)>& check) {
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   EveryMap registered;
@@ -44,7 +45,7 @@ inline void for_every_point_map(const std::function<void(Map&, const EraseBox&)>
     if (auto* tree = dynamic_cast<plugins::IkdTree*>(map.get())) {
       erase_box = [tree](Map&, const Vec3& low, const Vec3& high) { return tree->erase_box(low, high); };
     }
-    check(*map, erase_box);
+    check(*map, erase_box, type == "{type: ikd_tree}" || type == "{type: feature_maps}");
   }
 }
 

@@ -22,6 +22,7 @@ class Draw {
   int operator()(int low, int high) {
     return low + static_cast<int>(engine_() % static_cast<std::uint64_t>(high - low + 1));
   }
+  std::uint8_t feature() { return static_cast<std::uint8_t>((*this)(feature_class::none, feature_class::plane)); }
   /// A point of the grid within `half` m of `centre` along each axis.
   Vec3 near(const Vec3& centre, int half) {
     const int x = grid(half), y = grid(half), z = grid(half);
@@ -37,7 +38,7 @@ class Draw {
 class GridOracle {
  public:
   void insert(const std::vector<WorldPoint>& points, std::uint32_t stamp) {
-    for (const auto& point : points) held_.push_back({point.p_W, stamp});
+    for (const auto& point : points) held_.push_back({point.p_W, stamp, feature_class::kind(point.feature)});
   }
   /// Forgets the points for which `gone` holds and returns their number.
   template <class Gone>
@@ -61,8 +62,10 @@ class GridOracle {
     REQUIRE(visited == expected);
   }
 
-  /// Same neighbours in the same order with the same bits. Pre: ask.max_distance <= 1.
-  void check_neighbours(const Map& map, const std::vector<Vec3>& queries, const MapQuery& ask) const {
+  /// Same neighbours in the same order with the same bits, of the kind asked for if the map tells kinds apart.
+  /// Pre: ask.max_distance <= 1.
+  void check_neighbours(const Map& map, const std::vector<Vec3>& queries, const MapQuery& ask,
+                        bool tells_kinds = false) const {
     Neighbours found;
     map.correspond(queries, ask, found);
     REQUIRE(found.size() == queries.size());
@@ -70,6 +73,7 @@ class GridOracle {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       near.clear();
       for (std::size_t n = 0; n < held_.size(); ++n) {
+        if (tells_kinds && held_[n].kind != feature_class::kind(ask.feature)) continue;
         const double squared = (held_[n].p - queries[i]).squaredNorm();
         if (squared <= ask.max_distance * ask.max_distance && held_[n].stamp <= ask.max_stamp) {
           near.emplace_back(squared, n);
@@ -90,6 +94,7 @@ class GridOracle {
   struct Held {
     Vec3 p;
     std::uint32_t stamp;
+    std::uint8_t kind;
   };
   std::vector<Held> held_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 /// A random life of a map: batches inserted on a random walk, trimmed, now and then cleared, checked as it goes.
 
+#include <cmath>
 #include <functional>
 
 #include "plugins/maps/grid_oracle.hpp"
@@ -12,13 +13,18 @@ using EraseBox = std::function<std::size_t(Map&, const Vec3& low, const Vec3& hi
 
 /// Pre: the map thins nothing. `total` points are inserted around a walk that begins at `centre` (on the grid).
 inline void check_random_life(Map& map, std::size_t total, Vec3 centre, std::uint64_t seed,
-                              const EraseBox& erase_box = {}) {
+                              const EraseBox& erase_box = {}, bool tells_kinds = false) {
   Draw draw(seed);
   GridOracle oracle;
   std::uint32_t stamp = 0;
   std::size_t checked = 0;
   for (std::size_t inserted = 0; inserted < total;) {
-    const auto batch = draw_batch(draw, centre, 2000);
+    auto batch = draw_batch(draw, centre, 2000);
+    // By place: which of two points of one place has been trimmed could not be told.
+    for (WorldPoint& point : batch) {
+      point.feature = static_cast<std::uint8_t>(std::llround(1024 * point.p_W.sum()) & 1 ? feature_class::line
+                                                                                         : feature_class::none);
+    }
     const InsertCount count = map.insert(batch, ++stamp);
     REQUIRE(count.offered == batch.size());
     REQUIRE(count.inserted == batch.size());
@@ -59,7 +65,8 @@ inline void check_random_life(Map& map, std::size_t total, Vec3 centre, std::uin
     ask.k = draw(1, Neighbours::kMax);
     ask.max_distance = draw(1, 4) * 0.25;
     if (draw(0, 1) == 0) ask.max_stamp = stamp - static_cast<std::uint32_t>(draw(0, 20));
-    oracle.check_neighbours(map, queries, ask);
+    ask.feature = draw.feature();
+    oracle.check_neighbours(map, queries, ask, tells_kinds);
   }
   REQUIRE(checked * 20000 > total);
 }

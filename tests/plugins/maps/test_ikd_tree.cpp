@@ -97,15 +97,21 @@ TEST_CASE("an ikd tree keeps of each cell the point nearest to its centre, over 
   }
 }
 
-TEST_CASE("an ikd tree thins and finds the classes of points apart") {
+TEST_CASE("an ikd tree thins and finds lines apart from all else") {
+  using namespace feature_class;
   test::BuildEnvironment environment;
-  IkdTree map({.leaf = 0.5}, environment.context());
-  REQUIRE(map.insert(std::vector<WorldPoint>{at(0.1, 0.1, 0.1, 0), at(0.2, 0.1, 0.1, 1)}, 1).inserted == 2);
-  Neighbours found;
-  for (const std::uint8_t feature : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}}) {
-    map.correspond(std::vector<Vec3>{{0.1, 0.1, 0.1}}, {.feature = feature}, found);
-    REQUIRE(found.count[0] == (feature < 2 ? 1 : 0));
-    if (feature == 1) REQUIRE(found.offset(0, 0).x() == Approx(0.1));
+  for (const std::uint8_t other : {none, plane}) {
+    IkdTree map({.leaf = 0.5}, environment.context());
+    REQUIRE(map.insert(std::vector<WorldPoint>{at(0.1, 0.1, 0.1, other), at(0.2, 0.1, 0.1, line)}, 1).inserted == 2);
+    Neighbours found;
+    for (const std::uint8_t asked : {none, line, plane}) {
+      CAPTURE(int(other), int(asked));
+      map.correspond(std::vector<Vec3>{{0.1, 0.1, 0.1}}, {.feature = asked}, found);
+      REQUIRE(found.count[0] == 1);
+      REQUIRE(found.offset(0, 0).x() == Approx(asked == line ? 0.1 : 0.0).margin(1e-6));
+    }
+    REQUIRE(map.insert(std::vector<WorldPoint>{at(0.25, 0.25, 0.25, none)}, 2).inserted == 0);  // in place of `other`
+    REQUIRE(map.size() == 2);
   }
 }
 

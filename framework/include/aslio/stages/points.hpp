@@ -16,6 +16,8 @@ constexpr TapMask mask(Tap tap) { return static_cast<TapMask>(tap); }
 /// Classes of points: TimedPoint, WorldPoint and MapQuery::feature.
 namespace feature_class {
 inline constexpr std::uint8_t none = 0, line = 1, plane = 2;
+/// What is kept and found together: lines are a kind of their own, and whatever else counts as planes.
+constexpr std::uint8_t kind(std::uint8_t feature) { return feature == line ? line : plane; }
 /// Added to the class in SampleBatch::features alone: one of the clearest of its class.
 inline constexpr std::uint8_t clearest = 0x80;
 }  // namespace feature_class
