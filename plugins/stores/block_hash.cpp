@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kSmallest = 1024;  // slots
 constexpr Brick kEmpty{};
+/// Cells of a brick that are looked at one by one before its planes are made: these cost as much as some ten of them.
+constexpr std::uint32_t kAlone = 8;
 
 /// Keys of bricks: neighbours differ by a constant, at the edge of the range too, which bricks come nowhere near.
 std::uint64_t key_of(const Cell& cell) { return pack_cell(cell.x >> 3, cell.y >> 3, cell.z >> 3); }
@@ -59,8 +61,8 @@ void BlockHash::describe(config::Binder& b, Params& p) {
 
 BlockHash::BlockHash(const Params& params, const BuildContext& context) {
   (void)context;
-  cached_.assign(std::bit_ceil(static_cast<std::size_t>(params.cached)), kNone);
-  line_shift_ = 64 - log2_of(cached_.size());
+  cache_.assign(std::bit_ceil(static_cast<std::size_t>(params.cached)), Line{});
+  line_shift_ = 64 - log2_of(cache_.size());
   rehash(kSmallest);
 }
 
@@ -106,8 +108,8 @@ void BlockHash::announce_change(std::uint64_t key) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dz = -1; dz <= 1; ++dz) {
         const std::uint64_t other = key + step(dx, dy, dz);
-        std::uint64_t& cached = cached_[line_of(other)];
-        if (cached == other) cached = kNone;
+        Line& line = cache_[line_of(other)];
+        if (line.key == other) line = {};
       }
     }
   }
@@ -130,11 +132,15 @@ void BlockHash::insert(std::span<const Cell> cells) {
   }
 }
 
+/// Null while looking at single cells is cheaper.
 const Brick* BlockHash::planes_of(std::uint64_t key) {
-  const std::size_t line = line_of(key), count = static_cast<std::size_t>(depth_);
-  Brick* planes = &planes_[line * count];
-  if (cached_[line] == key) return planes;
-  cached_[line] = key;
+  const std::size_t number = line_of(key), count = static_cast<std::size_t>(depth_);
+  Line& line = cache_[number];
+  if (line.key != key) line = {.key = key};
+  Brick* planes = &planes_[number * count];
+  if (line.dilated) return planes;
+  if (depth_ <= kSurroundings && ++line.asked <= kAlone) return nullptr;
+  line.dilated = true;
   ++dilations_;
   Neighbourhood around;
   std::size_t i = 0;
@@ -147,11 +153,26 @@ const Brick* BlockHash::planes_of(std::uint64_t key) {
   return planes;
 }
 
+int BlockHash::layer_alone(const Cell& cell) const {
+  const Cell lowest{cell.x - kSurroundings, cell.y - kSurroundings, cell.z - kSurroundings};
+  const std::uint64_t key = key_of(lowest);
+  Corners bricks{};
+  for (int x = 0; x <= (straddles(lowest.x) ? 1 : 0); ++x) {
+    for (int y = 0; y <= (straddles(lowest.y) ? 1 : 0); ++y) {
+      for (int z = 0; z <= (straddles(lowest.z) ? 1 : 0); ++z) {
+        bricks[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)][static_cast<std::size_t>(z)] =
+            find(key + step(x, y, z));
+      }
+    }
+  }
+  return layer_within(surroundings(bricks, lowest), depth_, metric_);
+}
+
 void BlockHash::layers(std::span<const Cell> cells, int depth, LayerMetric metric, std::span<std::uint8_t> out) {
   if (depth != depth_ || metric != metric_) {
     depth_ = depth;
     metric_ = metric;
-    planes_.resize(cached_.size() * static_cast<std::size_t>(depth));
+    planes_.resize(cache_.size() * static_cast<std::size_t>(depth));
     forget_planes();
   }
   ++queries_;
@@ -169,8 +190,12 @@ void BlockHash::layers(std::span<const Cell> cells, int depth, LayerMetric metri
       out[i] = 0;
       continue;
     }
-    int beyond = 1;  // planes without the cell; each contains the one before
     if (depth > 0 && !planes) planes = planes_of(key);
+    if (depth > 0 && !planes) {
+      out[i] = static_cast<std::uint8_t>(layer_alone(cells[i]));
+      continue;
+    }
+    int beyond = 1;  // planes without the cell; each contains the one before
     for (int layer = 1; layer <= depth; ++layer) beyond += planes[layer - 1].has(cells[i]) ? 0 : 1;
     out[i] = static_cast<std::uint8_t>(beyond);
   }
@@ -194,12 +219,11 @@ void BlockHash::keep_inside(const Cell& lo, const Cell& hi) {
   forget_planes();
 }
 
-void BlockHash::forget_planes() { std::fill(cached_.begin(), cached_.end(), kNone); }
+void BlockHash::forget_planes() { std::fill(cache_.begin(), cache_.end(), Line{}); }
 
 std::size_t BlockHash::memory_bytes() const {
   return sizeof(*this) + slots_.capacity() * sizeof(Slot) + bricks_.capacity() * sizeof(Brick) +
-         labels_.capacity() * sizeof(Label) + cached_.capacity() * sizeof(std::uint64_t) +
-         planes_.capacity() * sizeof(Brick);
+         labels_.capacity() * sizeof(Label) + cache_.capacity() * sizeof(Line) + planes_.capacity() * sizeof(Brick);
 }
 
 void BlockHash::clear() {

@@ -7,11 +7,11 @@
 
 namespace aslio::plugins {
 
-/// Occupied cells as bricks of 8^3 bits in an open-addressing table. A brick is dilated at its first query after a
-/// change in or next to it: one bit plane per layer, so that a query is a few bit tests. The planes of the `cached`
-/// bricks asked for last are kept (direct-mapped), whether or not they hold occupied cells: memory for planes does not
-/// grow with the map, and no query allocates once depth and metric are settled. layers() must not be called
-/// concurrently.
+/// Occupied cells as bricks of 8^3 bits in an open-addressing table. For a cell that is not occupied, the bits around
+/// it are looked at; a brick that is asked for more than a few such cells, without a change in or next to it, is
+/// dilated: one bit plane per layer, so that a query is a few bit tests. The planes of the `cached` bricks asked for
+/// last are kept (direct-mapped), whether or not they hold occupied cells: memory for planes does not grow with the
+/// map, and no query allocates once depth and metric are settled. layers() must not be called concurrently.
 class BlockHash final : public OccupancyStore {
  public:
   struct Params {
@@ -37,6 +37,12 @@ class BlockHash final : public OccupancyStore {
     std::uint64_t key = kNone;
     std::uint32_t brick = 0;
   };
+  /// What is known of the brick whose planes have a place in the cache.
+  struct Line {
+    std::uint64_t key = kNone;
+    std::uint32_t asked = 0;  // cells looked at one by one
+    bool dilated = false;     // its planes are up to date
+  };
   struct Label {
     std::uint64_t key = 0;
     std::uint32_t announced = 0;  // the query count at which the cache was last told of a change
@@ -49,6 +55,7 @@ class BlockHash final : public OccupancyStore {
   void announce_change(std::uint64_t key);
   std::size_t line_of(std::uint64_t key) const;
   const Brick* planes_of(std::uint64_t key);
+  int layer_alone(const Cell& cell) const;
   void forget_planes();
 
   std::vector<Slot> slots_;
@@ -58,7 +65,7 @@ class BlockHash final : public OccupancyStore {
   std::size_t size_ = 0;
   std::uint32_t queries_ = 1;
 
-  std::vector<std::uint64_t> cached_;  // key of each line of the cache
+  std::vector<Line> cache_;
   unsigned line_shift_ = 0;
   std::vector<Brick> planes_;  // depth_ for each line
   int depth_ = -1;

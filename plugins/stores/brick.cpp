@@ -1,5 +1,7 @@
 #include "stores/brick.hpp"
 
+#include <cstdlib>
+
 #include "stores/shells.hpp"
 
 namespace aslio::plugins {
@@ -91,6 +93,69 @@ void dilate(const Neighbourhood& around, LayerMetric metric, std::span<Brick> pl
     }
     planes[layer - 1] = grown;
   }
+}
+
+Surroundings surroundings(const Corners& bricks, const Cell& lowest) {
+  Surroundings out;
+  const auto up = static_cast<unsigned>(8 * (lowest.y & 7)), along = static_cast<unsigned>(lowest.z & 7);
+  const bool two_y = straddles(lowest.y), two_z = straddles(lowest.z);
+  // Masks cut off what a shift carries from one row into the next.
+  const std::uint64_t low_z = in_each_row(0xffu >> along), high_z = in_each_row(0xffu << (8 - along));
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t x = static_cast<std::size_t>(lowest.x & 7) + i;
+    const auto& at = bricks[x >> 3];
+    const auto rows = [&](std::size_t z) {
+      const std::uint64_t below = at[0][z]->words[x & 7] >> up;
+      return two_y ? below | at[1][z]->words[x & 7] << (64 - up) : below;
+    };
+    out[i] = rows(0) >> along & low_z;
+    if (two_z) out[i] |= rows(1) << (8 - along) & high_z;
+  }
+  return out;
+}
+
+namespace {
+
+/// The bits of the surroundings within `layer` of the middle, in the word |dx| from it.
+class BallMasks {
+ public:
+  explicit BallMasks(const Balls& balls) {
+    for (std::size_t layer = 1; layer <= kSurroundings; ++layer) {
+      for (std::size_t dx = 0; dx <= layer; ++dx) {
+        for (int dy = -kSurroundings; dy <= kSurroundings; ++dy) {
+          const int reach = balls.reach(layer, dx, static_cast<std::size_t>(std::abs(dy)));
+          for (int dz = -reach; dz <= reach; ++dz) {
+            masks_[layer - 1][dx] |= Brick::bit({0, dy + kSurroundings, dz + kSurroundings});
+          }
+        }
+      }
+    }
+  }
+  std::uint64_t mask(std::size_t layer, std::size_t dx) const { return masks_[layer - 1][dx]; }
+  static const BallMasks& of(LayerMetric metric) {
+    static const std::array<BallMasks, 3> tables{BallMasks(Balls::of(LayerMetric::chebyshev)),
+                                                 BallMasks(Balls::of(LayerMetric::manhattan)),
+                                                 BallMasks(Balls::of(LayerMetric::euclid_rounded))};
+    return tables[static_cast<std::size_t>(metric)];
+  }
+
+ private:
+  std::array<std::array<std::uint64_t, kSurroundings + 1>, kSurroundings> masks_{};
+};
+
+}  // namespace
+
+int layer_within(const Surroundings& around, int depth, LayerMetric metric) {
+  const BallMasks& masks = BallMasks::of(metric);
+  for (int layer = 1; layer <= depth; ++layer) {
+    const auto l = static_cast<std::size_t>(layer);
+    std::uint64_t set = around[kSurroundings] & masks.mask(l, 0);
+    for (std::size_t dx = 1; dx <= l; ++dx) {
+      set |= (around[kSurroundings - dx] | around[kSurroundings + dx]) & masks.mask(l, dx);
+    }
+    if (set != 0) return layer;
+  }
+  return depth + 1;
 }
 
 }  // namespace aslio::plugins

@@ -37,6 +37,20 @@ class Balls {
   std::array<std::array<Slice, kMaxLayers + 1>, kMaxLayers> reaches_{};
 };
 
+/// The cells within 3 of one, as bits: word dx + 3, bit 8 (dy + 3) + dz + 3.
+using Surroundings = std::array<std::uint64_t, 7>;
+inline constexpr int kSurroundings = 3;  ///< cells either way
+
+/// The bricks in which the surroundings of a cell lie: [x][y][z], from that of the lowest cell on. Those not needed may
+/// be null: an axis needs a second one where straddles() says so.
+using Corners = std::array<std::array<std::array<const Brick*, 2>, 2>, 2>;
+inline bool straddles(std::int32_t lowest) { return (lowest & 7) > 7 - 2 * kSurroundings; }
+Surroundings surroundings(const Corners& bricks, const Cell& lowest);
+
+/// The smallest distance, up to `depth`, to a set cell of the surroundings, or depth + 1. Pre: depth <= kSurroundings,
+/// the cell itself is not set.
+int layer_within(const Surroundings& around, int depth, LayerMetric metric);
+
 /// planes[i] becomes the cells of the middle brick within i + 1 of a set one. Pre: planes.size() < kMaxLayers, so that
 /// no such distance leaves the 27 bricks.
 void dilate(const Neighbourhood& around, LayerMetric metric, std::span<Brick> planes);
