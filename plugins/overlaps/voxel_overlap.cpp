@@ -4,17 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::plugins {
 
 namespace {
-
-/// SplitMix64 (Steele et al. 2014): the jitter of strides.
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
 
 /// The store is trimmed each time the sensor has moved by this share of the radius.
 constexpr double kTrimStep = 0.1;
@@ -57,10 +51,7 @@ void VoxelOverlap::count_cells(std::span<const WorldPoint> points, TimeNs t) {
   const std::size_t taken = max_points_ == 0 ? n : std::min(n, max_points_);
   histogram_.reset(taken);
   for (std::size_t i = 0; i < taken; ++i) {
-    // One point of each of `taken` equal runs. Which one varies: a fixed stride would fall into step with the scan
-    // lines, which interleave (a stride of 6 on a six-line sensor sees one line).
-    const std::size_t begin = i * n / taken, length = (i + 1) * n / taken - begin;
-    const std::size_t index = length == 1 ? begin : begin + mix(order_seed_ + i) % length;
+    const std::size_t index = one_of_run(i, taken, n, order_seed_);
     Cell cell;
     if (index < older_.size()) {
       histogram_.add(older_[index]);

@@ -2,18 +2,9 @@
 
 #include <numeric>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::plugins {
-
-namespace {
-
-/// Finaliser of splitmix64: every bit of the result depends on every bit of x.
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-  return x ^ (x >> 31);
-}
-
-}  // namespace
 
 void StrideSampler::describe(config::Binder& b, Params& p) {
   b.integer("keep_every", p.keep_every, "", {.min = 1, .max = 1e6}, "one in so many points (or firings) is kept");
@@ -40,7 +31,7 @@ StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
 
 bool StrideSampler::keeps(const TimedPoint& p) const {
   if (by_ == By::point) return p.index % keep_every_ == phase_;
-  return mix(static_cast<std::uint64_t>(p.t) + 0x9e3779b97f4a7c15ULL * (seed_ + 1)) % keep_every_ == 0;
+  return mixed(static_cast<std::uint64_t>(p.t) + 0x9e3779b97f4a7c15ULL * seed_) % keep_every_ == 0;
 }
 
 void StrideSampler::sample(SampleBatch& batch) {

@@ -110,6 +110,17 @@ TEST_CASE("tracking: a gap in the data before a refused window counts with that 
   CHECK_FALSE(play.tracking.divergence());
 }
 
+TEST_CASE("tracking: nor does a gap between two refused windows count") {
+  Play play;
+  play.accepted(2);
+  play.refused(1);
+  play.t += 5 * kSecond;
+  play.refused(9);
+  CHECK_FALSE(play.tracking.divergence());
+  play.refused(1);
+  CHECK(play.tracking.divergence());
+}
+
 TEST_CASE("tracking: a speed beyond max_speed has diverged, also before the first match") {
   Play play;
   Update update;

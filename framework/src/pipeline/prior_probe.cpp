@@ -1,5 +1,9 @@
 #include "prior_probe.hpp"
 
+#include <algorithm>
+
+#include "aslio/core/spread.hpp"
+
 namespace aslio::pipeline {
 
 OverlapScore PriorProbe::overlap(TimeNs t) {
@@ -14,9 +18,10 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   const Pose begin = from.pose();
   const Pose end = estimator_.predict(imu_).pose();
   const auto raw = stream_.points(from.t, t);
-  const std::size_t step = raw.size() / kMostPoints + 1;
+  const std::size_t taken = std::min(raw.size(), kMostPoints);
   const double span = to_seconds(t - from.t);
-  for (std::size_t i = 0; i < raw.size(); i += step) {
+  for (std::size_t k = 0; k < taken; ++k) {
+    const std::size_t i = one_of_run(k, taken, raw.size(), 0);
     const TimedPoint& p = raw[i];
     const Vec3 p_L(p.x, p.y, p.z);
     const double range = p_L.norm();

@@ -9,6 +9,15 @@ void Tracking::diverge(TimeNs t, std::string reason) {
   if (!divergence_) divergence_ = Divergence{t, std::move(reason)};
 }
 
+/// A gap in the data is no fault of the estimator, wherever it lies among refused windows. One without data for a
+/// moment is none.
+void Tracking::be_silent(TimeNs begin, TimeNs end) {
+  constexpr TimeNs no_gap = kSecond / 10;
+  if (silence_ > 0 && begin - last_end_ <= no_gap) begin = last_end_;
+  silence_ += end - begin;
+  last_end_ = end;
+}
+
 void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   const NavState& s = update.state;
   if (!s.R.allFinite() || !s.p.allFinite() || !s.v.allFinite() || !s.b_w.allFinite() || !s.b_a.allFinite()) {
@@ -19,16 +28,16 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   }
   if (update.status == UpdateStatus::initialising) {
     // One window builds the map. A map that stays empty gets no points, and nothing will ever be registered.
-    if (silent_since_ == kTimeMin) silent_since_ = begin;
-    if (end - silent_since_ > max_silence_) {
+    be_silent(begin, end);
+    if (silence_ > max_silence_) {
       diverge(end,
               fmt::format("the map is still empty after {:.2f} s: no point got through the samplers (range limits?)",
-                          to_seconds(end - silent_since_)));
+                          to_seconds(silence_)));
     }
     return;
   }
   if (update.accepted) {
-    silent_since_ = kTimeMin;
+    silence_ = 0;
     if (s.b_a.norm() > kMaxAccBias) {
       accepted_in_a_row_ = 0;
       status_ = TrackingStatus::degraded;
@@ -40,12 +49,10 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
     return;
   }
   accepted_in_a_row_ = 0;
-  // Silence counts from the begin of the first refused window; a gap in the data before it is no fault of the
-  // estimator.
-  if (silent_since_ == kTimeMin) silent_since_ = begin;
+  be_silent(begin, end);
   status_ = TrackingStatus::degraded;
-  if (end - silent_since_ > max_silence_) {
-    diverge(end, fmt::format("no accepted update for {:.2f} s (last refusal: {})", to_seconds(end - silent_since_),
+  if (silence_ > max_silence_) {
+    diverge(end, fmt::format("no accepted update for {:.2f} s (last refusal: {})", to_seconds(silence_),
                              name(update.status)));
   }
 }

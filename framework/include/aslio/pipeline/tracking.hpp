@@ -32,6 +32,7 @@ class Tracking {
 
  private:
   void diverge(TimeNs t, std::string reason);
+  void be_silent(TimeNs begin, TimeNs end);
 
   static constexpr int kRecovered = 5;
   static constexpr double kMaxAccBias = 1.5;  // [m/s^2]
@@ -39,7 +40,8 @@ class Tracking {
   TimeNs max_silence_;
   TrackingStatus status_ = TrackingStatus::initialising;
   int accepted_in_a_row_ = 0;
-  TimeNs silent_since_ = kTimeMin;  ///< begin of the first of the refused updates in a row
+  TimeNs silence_ = 0;   ///< of the refused updates in a row, without gaps in the data
+  TimeNs last_end_ = 0;  ///< of the last of them
   std::optional<Divergence> divergence_;
 };
 
