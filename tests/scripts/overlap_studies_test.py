@@ -137,6 +137,7 @@ class AgainstImu(StudyCase):
         self.assertIn("indoor_1_3/a (failed)", err)
         self.assertIn("| indoor_1 | a | overlap degree (1 - O) | 2 |", text)
         self.assertIn("| 2 / 2 | 2 / 2 | 0 / 2 |", text)
+        self.assertIn("in 1 of 1 sequences and windows (needs all), and finds 2 of 2 blue events (needs one): **holds**", text)
         self.assertEqual(len(list((self.root / "out").glob("*.svg"))), 1)
 
     def test_what_does_not_belong_together_is_refused(self):
@@ -178,6 +179,21 @@ class VoxelSize(StudyCase):
         lowest = min(np.corrcoef(hard[a], hard[b])[0, 1] for a, b in ((0, 1), (0, 2), (1, 2)))
         self.assertIn(f"| indoor_1 | hard | 1 | {lowest:.3f} |", text)
         xml.parse(self.root / "out/sod_voxel_size_indoor_1.svg")
+
+    def test_the_rules_of_the_study(self):
+        self.make()
+        self.assertIn("**not decided**", printed(sod_voxel_size.main, self.root, "--output", self.root / "out", "--skip", 0)[1])
+        for spread, outcome in ((0.01, "holds"), (0.03, "does not hold")):
+            self.study("sod_voxel_size", [("indoor_1", 1, f"{m}_voxel_{s}", 0.1, "ok", (s,)) for m in ("fixed_layers", "fixed_margin")
+                                          for s in self.SIZES], axes=("overlap.voxel",))
+            wave = 0.8 + 0.1 * np.cos(np.arange(100))
+            for k, size in enumerate(self.SIZES):
+                for method, step in (("fixed_layers", 0.02), ("fixed_margin", spread)):
+                    write_csv(self.root / f"runs/indoor_1_1/{method}_voxel_{size}/updates.csv",
+                              {"t_ns": [START * NS + i * NS // 10 for i in range(100)], "sod": [f"{v:.9f}" for v in wave + step * k]})
+            _, text, _ = printed(sod_voxel_size.main, self.root, "--output", self.root / "out", "--skip", 0)
+            self.assertIn("lowest correlation between two sizes is 1.000 (needs 0.9): **holds**", text)
+            self.assertIn(f"at a fixed margin, 0.040 at fixed layers: **{outcome}**", text)
 
     def test_only_shared_times_count_and_others_are_refused(self):
         self.make([range(100), range(50, 150), range(100)])

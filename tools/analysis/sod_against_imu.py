@@ -131,6 +131,22 @@ def summary(lines):
                            "red (alarms)", "other alarms per min", "correlation with 1 - V"], out)
 
 
+def verdict(lines):
+    """The rule of experiments/sod_against_imu.yaml."""
+    higher, total = 0, 0
+    for group in in_order((line["sequence"], line["method"]) for line in lines):
+        auc = {signal: middle([line for line in lines if (line["sequence"], line["method"], line["signal"]) == (*group, signal)],
+                              "auc") for signal in SIGNALS}
+        if None not in auc.values():
+            total += 1
+            higher += all(auc["sod"] > value for signal, value in auc.items() if signal != "sod")
+    own = [line for line in lines if line["signal"] == "sod"]
+    found, events = (sum(line[column] for line in own) for column in ("blue_found", "blue_events"))
+    outcome = "not decided" if total == 0 or events == 0 else "holds" if higher == total and found > 0 else "does not hold"
+    return (f"The overlap degree has the highest AUC for V < 0.8 in {higher} of {total} sequences and windows (needs all), and finds "
+            f"{found} of {events} blue events (needs one): **{outcome}**")
+
+
 def write_csv(path, lines):
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
@@ -165,7 +181,7 @@ def main(words):
         print(f"error: {error}", file=sys.stderr)
         return 2
     write_csv(options.output / "sod_against_imu.csv", lines)
-    text = summary(lines) + "\n"
+    text = summary(lines) + "\n\n" + verdict(lines) + "\n"
     (options.output / "sod_against_imu.md").write_text(text, encoding="utf-8")
     sys.stdout.write(text)
     return 0

@@ -119,6 +119,20 @@ def agreement_table(found, skip):
                            "spread of the mean O over sizes"], out)
 
 
+def verdict(found, skip):
+    """The rules of experiments/sod_voxel_size.yaml."""
+    soft = [group for group in found if group.method in ("fixed_layers", "fixed_margin")]
+    lowest = [value for group in soft for value in group.correlations(skip).values()]
+    spread = {method: median([group.spread(skip) for group in soft if group.method == method])
+              for method in ("fixed_layers", "fixed_margin")}
+    if not lowest or None in lowest or None in spread.values():
+        return "Robust to the size, and the margin is what counts: **not decided** (needs runs of fixed_layers and fixed_margin)"
+    told = {True: "**holds**", False: "**does not hold**"}
+    return (f"Robust to the size: the lowest correlation between two sizes is {min(lowest):.3f} (needs 0.9): {told[min(lowest) >= 0.9]}\n\n"
+            f"The margin is what counts: the spread over sizes is {spread['fixed_margin']:.3f} at a fixed margin, "
+            f"{spread['fixed_layers']:.3f} at fixed layers: {told[spread['fixed_margin'] < spread['fixed_layers']]}")
+
+
 def picture(found):
     """Of one recording, a panel for each method."""
     lowest = min(float(np.min(sod)) for group in found for sod in group.scores.values())
@@ -164,7 +178,7 @@ def main(words):
         print(f"error: {error}", file=sys.stderr)
         return 2
     write_csv(options.output / "sod_voxel_size.csv", lines)
-    text = score_table(lines) + "\n\n" + agreement_table(found, options.skip) + "\n"
+    text = "\n\n".join((score_table(lines), agreement_table(found, options.skip), verdict(found, options.skip))) + "\n"
     (options.output / "sod_voxel_size.md").write_text(text, encoding="utf-8")
     sys.stdout.write(text)
     return 0
