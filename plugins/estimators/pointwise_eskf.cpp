@@ -86,7 +86,7 @@ void PointwiseEskf::find_velocity_alone(const PointwiseState& begin) {
   x.v = (x.p - begin.p) / duration;
   Mat3 turned = Mat3::Identity();
   TimeNs t = begin.t;
-  for (const ImuSample& sample : imu_) {
+  for (const ImuSample& sample : path_) {
     turned *= exp_so3(to_seconds(sample.t - t) * (sample.gyro - x.b_w));
     t = sample.t;
   }
@@ -100,7 +100,7 @@ void PointwiseEskf::find_velocity_alone(const PointwiseState& begin) {
     even.w = w;
     even.a = -(even.R.transpose() * even.g);
   };
-  for (const ImuSample& sample : imu_) {
+  for (const ImuSample& sample : path_) {
     hold(sample.gyro - x.b_w);
     trajectory_.append({even.t, 0.0, even.R, even.p, even.v, even.w, Vec3::Zero()});
     even.advance(sample.t);
@@ -220,16 +220,26 @@ ImuSample PointwiseEskf::between(const ImuSample& from, const ImuSample& to, dou
 }
 
 /// The window's IMU readings after its begin, with others in between where they are far apart. What was interpolated at
-/// its end is none: the reading itself is the next window's.
+/// its end is none of them unless it is as far from the last: the next reading is the next window's.
 void PointwiseEskf::load_imu(const Window& window) {
   imu_.clear();
+  path_.clear();
   const auto imu = window.imu;
   for (std::size_t s = 1; s < imu.size(); ++s) {
     const ImuSample& from = imu[s - 1];
     const ImuSample& to = imu[s];
     const auto parts = static_cast<int>(std::floor(to_seconds(to.t - from.t) / params_.imu_step));
-    for (int part = 1; part < parts; ++part) imu_.push_back(between(from, to, static_cast<double>(part) / parts));
-    if (s + 1 < imu.size() || window.imu_read_at_end) imu_.push_back(to);
+    for (int part = 1; part < parts; ++part) path_.push_back(between(from, to, static_cast<double>(part) / parts));
+    path_.push_back(to);
+  }
+  imu_.assign(path_.begin(), path_.end());
+  if (imu_.empty() || window.imu_read_at_end) return;
+  const ImuSample before = imu_.size() > 1 ? imu_[imu_.size() - 2] : imu.front();
+  const bool far = to_seconds(imu_.back().t - before.t) >= params_.imu_step;  // one of those in between
+  if (far) {
+    imu_.back() = between(before, imu_.back(), 1.0);
+  } else {
+    imu_.pop_back();
   }
 }
 

@@ -89,7 +89,8 @@ class PointwiseEskf final : public Estimator {
   std::vector<Vec6> row_slopes_;
   Neighbours neighbours_;
   // Of the window.
-  std::vector<ImuSample> imu_;
+  std::vector<ImuSample> path_;  ///< of the window after its begin, up to its end
+  std::vector<ImuSample> imu_;   ///< those of them that are readings
   Mat6 information_ = Mat6::Zero();
   double nis_sum_ = 0;
   std::vector<NavState> states_;
