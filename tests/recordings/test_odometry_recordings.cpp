@@ -247,15 +247,13 @@ TEST_CASE("the systems without a published run stay whole on the corridor and ne
   }
 }
 
-TEST_CASE(
-    "ct_icp stays next to FAST-LIO2 on the KITTI drive, and is lost in the turns of the corridor, which it says") {
+TEST_CASE("ct_icp stays next to FAST-LIO2 on the KITTI drive, and holds the turns of the corridor without an IMU") {
   const RecordedRun drive = run_on_kitti("ct_icp");
   CHECK((drive.summary.status == pipeline::RunStatus::ok || drive.summary.status == pipeline::RunStatus::degraded));
   CHECK(drive.ate_m() <= 0.04);
-  // Whether it comes back is decided by the last bit of the points (docs/systems.md): never by its own account.
   const RecordedRun corridor = run_on_avia("ct_icp");
-  CHECK(corridor.summary.status != pipeline::RunStatus::ok);
-  CHECK_FALSE(corridor.summary.reason.empty());
+  check_whole(corridor);
+  CHECK(corridor.ate_m() <= 0.09);  // 0.05 to 0.07 m from six beginnings
   CHECK(run_on_avia("ct_icp", 2).trajectory_sha256 == corridor.trajectory_sha256);
 }
 
