@@ -1,6 +1,9 @@
 """The commands a newcomer types refuse wrong arguments before they install or build anything."""
+import os
 import pathlib
 import subprocess
+import sys
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -36,6 +39,22 @@ class Commands(unittest.TestCase):
     def test_test_arguments(self):
         self.assert_refused("preset 'release' has no tests", "tools/test", "--preset", "release")
         self.assert_refused("--tally needs a value", "tools/test", "--tally")
+
+
+class Analysis(unittest.TestCase):
+    def test_without_numpy_the_scripts_say_where_to_get_it(self):
+        scripts = [path for path in sorted((ROOT / "tools/analysis").glob("*.py")) if os.access(path, os.X_OK)]
+        self.assertGreater(len(scripts), 6)
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "numpy.py").write_text("raise ModuleNotFoundError('numpy')\n")
+            for script in scripts:
+                result = subprocess.run([sys.executable, script, "--help"], capture_output=True, text=True, check=False, timeout=60,
+                                        env={**os.environ, "PYTHONPATH": folder})
+                if result.returncode == 0:
+                    continue  # needs none
+                self.assertEqual(result.returncode, 2, script)
+                self.assertIn("python3-numpy", result.stderr, script)
+                self.assertNotIn("Traceback", result.stderr, script)
 
 
 if __name__ == "__main__":

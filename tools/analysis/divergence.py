@@ -6,7 +6,7 @@ second, rigidly: an alignment of the whole would share a late failure out over t
 """
 import functools
 
-import numpy as np
+from numerics import np
 
 from motion import ACCEPTED, Path, laid_on, table
 from study_folder import FolderError

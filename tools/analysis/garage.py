@@ -5,7 +5,7 @@ is laid on the truth over the first second of the passage, rigidly, and what it 
 """
 import math
 
-import numpy as np
+from numerics import np
 
 import pairs
 from motion import Path, laid_on, table

@@ -14,7 +14,7 @@ import argparse
 import pathlib
 import sys
 
-import numpy as np
+from numerics import np
 
 from motion import Path
 from report import markdown_table

@@ -6,7 +6,7 @@ alone: what points are smeared by, as displacement at 5 m. The error of the pred
 from T_{k-1}, relative to T_{k-1}; it takes the columns prior_* of updates.csv.
 """
 
-import numpy as np
+from numerics import np
 
 import pairs
 from motion import ACCEPTED, Path, angles, has_columns, rotations, table

@@ -1,7 +1,7 @@
 """Trajectories and tables as numpy arrays: TUM files, the CSV files of runs and simulations, poses between stamps."""
 import csv
 
-import numpy as np
+from numerics import np
 
 from study_folder import FolderError
 

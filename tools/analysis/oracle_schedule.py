@@ -19,7 +19,7 @@ import math
 import pathlib
 import sys
 
-import numpy as np
+from numerics import np
 
 from motion import nanoseconds, table
 from study_folder import FolderError

@@ -7,7 +7,7 @@ average, away and back for example, where nothing is new.
 """
 import dataclasses
 
-import numpy as np
+from numerics import np
 
 from motion import Path, nanoseconds, rotations, table
 from study_folder import FolderError

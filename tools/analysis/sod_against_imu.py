@@ -14,7 +14,7 @@ import csv
 import pathlib
 import sys
 
-import numpy as np
+from numerics import np
 
 import overlap_events
 import svg

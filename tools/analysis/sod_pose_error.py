@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 
-import numpy as np
+from numerics import np
 
 from motion import table
 from pairs import median

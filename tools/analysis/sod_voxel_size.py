@@ -12,7 +12,7 @@ import itertools
 import pathlib
 import sys
 
-import numpy as np
+from numerics import np
 
 import svg
 from motion import table

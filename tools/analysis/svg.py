@@ -1,7 +1,7 @@
 """Charts over one horizontal axis as SVG text: panels with lines above each other, and coloured spans behind them."""
 import math
 
-import numpy as np
+from numerics import np
 
 WIDTH, LEFT, RIGHT, PANEL, GAP, TOP, BOTTOM = 1200, 70, 20, 150, 26, 34, 44
 COLOURS = ("#1f4e9c", "#c2410c", "#0f766e", "#7c3aed", "#4b5563", "#b91c1c")

@@ -10,7 +10,7 @@ Exit 0, 2 when the folder is not what it has to be. Needs numpy.
 import argparse
 import sys
 
-import numpy as np
+from numerics import np
 
 from motion import table
 from pairs import median
