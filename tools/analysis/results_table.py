@@ -71,7 +71,7 @@ def ranges(numbers):
     return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in out)
 
 
-def command(study):
+def command(study, options):
     words = ["aslio experiment", f"experiments/{study.name}.yaml", "--output", f"out/{study.name}"]
     seeds = [int(seed) for seed in study.seeds() if seed]
     scales = {study.scale(run.data) for run in study.runs if study.data_file(run.data, "scene.yaml").exists()}
@@ -81,8 +81,12 @@ def command(study):
         raise FolderError(f"{study.folder}: has runs of several scales ({', '.join(f'{scale:g}' for scale in sorted(scales))}), which no one command makes")
     if scales - {1.0}:
         words += ["--scale", ",".join(f"{scale:g}" for scale in sorted(scales))]
-    script = pathlib.Path(__file__).name
-    return f"```\n{' '.join(words)}\ntools/analysis/{script} out/{study.name}\n```"
+    judged = [f"tools/analysis/{pathlib.Path(__file__).name}", f"out/{study.name}"]
+    if options.best_fixed:
+        judged += ["--best-fixed", options.best_fixed]
+    if options.tuning:
+        judged += ["--tuning", "out/tuning"]
+    return f"```\n{' '.join(words)}\n{' '.join(judged)}\n```"
 
 
 def revisions(study):
@@ -160,7 +164,7 @@ def section(study, metrics, options):
     mixed = study.mixed()
     extent += f" **Not one configuration: runs of {', '.join(mixed)} differ in resolved.yaml.**" if mixed else ""
     extent += f" Revision {', '.join(made)}." if made else ""
-    parts = [f"## Study `{study.name}`", study.question, command(study), extent, verdict(study, options),
+    parts = [f"## Study `{study.name}`", study.question, command(study, options), extent, verdict(study, options),
              "Median (smallest to largest) over seeds:", summary(study, metrics), FOOTNOTE if told_marks else "",
              all_values(study, [metric for metric in metrics if metric in (options.values or metrics)])]
     return "\n\n".join(part for part in parts if part) + "\n"
