@@ -12,6 +12,7 @@ import overlap_events
 import sod_against_imu
 import sod_pose_error
 import sod_voxel_size
+import update_cost
 import svg
 from overlap_events import Event, Truth, auc, detect, stretches
 
@@ -150,6 +151,23 @@ class AgainstImu(StudyCase):
         code, _, err = printed(sod_against_imu.main, "--run", self.root / "run", "--output", self.root / "out")
         self.assertEqual(code, 2)
         self.assertIn("--data", err)
+
+
+class UpdateCost(StudyCase):
+    def test_percentiles_and_the_share_of_the_overlap(self):
+        self.study("table_1", [("indoor_1", 1, "as_lio", 0.1), ("indoor_1", 2, "as_lio", None, "failed"), ("indoor_1", 1, "fixed_10", 0.1)])
+        stages = ("window", "predict", "deskew", "sample", "associate", "solve", "overlap", "insert")
+        for method, overlap in (("as_lio", 0.0002), ("fixed_10", 0.001)):
+            solve = [0.0008] * 99 + [0.0098]  # one update of 10 ms
+            write_csv(self.root / f"runs/indoor_1_1/{method}/timings.csv",
+                      {"t_ns": range(100), **{f"{name}_s": [0] * 100 for name in stages}, "solve_s": solve, "overlap_s": [overlap] * 100})
+        code, text, err = printed(update_cost.main, self.root, "--methods", "as_lio")
+        self.assertEqual(code, 0, err)
+        self.assertIn("| indoor_1 | as_lio | 1 | 1.00 | 1.09 | 18.3 |", text)
+        self.assertNotIn("fixed_10", text)
+        code, _, err = printed(update_cost.main, self.root, "--methods", "gone")
+        self.assertEqual(code, 2)
+        self.assertIn("no good run of gone", err)
 
 
 class VoxelSize(StudyCase):
