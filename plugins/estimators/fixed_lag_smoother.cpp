@@ -85,9 +85,7 @@ void FixedLagSmoother::smooth(const Preintegration& motion, const Update& found)
   window_.append(motion, guess);
   if (found.accepted) window_.measure(found.state.pose(), found.status == UpdateStatus::degenerate);
   if (window_.solve() && plausible(window_.newest())) {
-    state_.v = window_.newest().v;
-    state_.b_w = window_.newest().b_w;
-    state_.b_a = window_.newest().b_a;
+    InertialEstimate::of(window_.newest()).put(state_);
     return;
   }
   // Lost: begin again where the registration stands, with what initialisation knew of the IMU.
@@ -98,14 +96,13 @@ void FixedLagSmoother::smooth(const Preintegration& motion, const Update& found)
 }
 
 const Update& FixedLagSmoother::update(const Window& window, const HistorySelection& past, const StepContext& context) {
-  const NavState before = state_;
-  if (window_.empty()) start_window(before);
+  if (window_.empty()) start_window(state_);
   const Update& found = front_->update(window, past, context);
   result_ = found;
   state_ = found.state;
   const Preintegration motion(window.imu, window_.newest().b_w, window_.newest().b_a, params_.window.noise);
   if (motion.seconds > 0) smooth(motion, found);
-  front_->adopt({state_.v, state_.b_w, state_.b_a});
+  front_->adopt(InertialEstimate::of(state_));
   result_.state = state_;
   result_.states = {&state_, 1};
   result_.P.setZero();

@@ -86,7 +86,7 @@ void PointwiseEskf::find_velocity_alone(const PointwiseState& begin) {
   x.v = (x.p - begin.p) / duration;
   Mat3 turned = Mat3::Identity();
   TimeNs t = begin.t;
-  for (const ImuSample& sample : path_) {
+  for (const ImuSample& sample : imu_) {
     turned *= exp_so3(to_seconds(sample.t - t) * (sample.gyro - x.b_w));
     t = sample.t;
   }
@@ -100,7 +100,7 @@ void PointwiseEskf::find_velocity_alone(const PointwiseState& begin) {
     even.w = w;
     even.a = -(even.R.transpose() * even.g);
   };
-  for (const ImuSample& sample : path_) {
+  for (const ImuSample& sample : imu_) {
     hold(sample.gyro - x.b_w);
     trajectory_.append({even.t, 0.0, even.R, even.p, even.v, even.w, Vec3::Zero()});
     even.advance(sample.t);
@@ -219,27 +219,25 @@ ImuSample PointwiseEskf::between(const ImuSample& from, const ImuSample& to, dou
           along(from.gyro, to.gyro, params_.gyro_saturation), along(from.acc, to.acc, params_.acc_saturation)};
 }
 
-/// The window's IMU readings after its begin, with others in between where they are far apart. What was interpolated at
-/// its end is none of them unless it is as far from the last: the next reading is the next window's.
+/// The window's IMU samples after its begin, with others in between where they are far apart. What was interpolated at
+/// its end is no reading unless it is as far from the last: the next reading is the next window's.
 void PointwiseEskf::load_imu(const Window& window) {
   imu_.clear();
-  path_.clear();
   const auto imu = window.imu;
   for (std::size_t s = 1; s < imu.size(); ++s) {
     const ImuSample& from = imu[s - 1];
     const ImuSample& to = imu[s];
     const auto parts = static_cast<int>(std::floor(to_seconds(to.t - from.t) / params_.imu_step));
-    for (int part = 1; part < parts; ++part) path_.push_back(between(from, to, static_cast<double>(part) / parts));
-    path_.push_back(to);
+    for (int part = 1; part < parts; ++part) imu_.push_back(between(from, to, static_cast<double>(part) / parts));
+    imu_.push_back(to);
   }
-  imu_.assign(path_.begin(), path_.end());
+  readings_ = imu_.size();
   if (imu_.empty() || window.imu_read_at_end) return;
-  const ImuSample before = imu_.size() > 1 ? imu_[imu_.size() - 2] : imu.front();
-  const bool far = to_seconds(imu_.back().t - before.t) >= params_.imu_step;  // one of those in between
-  if (far) {
+  const ImuSample& before = imu_.size() > 1 ? imu_[imu_.size() - 2] : imu.front();
+  if (to_seconds(imu_.back().t - before.t) < params_.imu_step) {
+    --readings_;
+  } else {  // one of those in between
     imu_.back() = between(before, imu_.back(), 1.0);
-  } else {
-    imu_.pop_back();
   }
 }
 
@@ -254,8 +252,8 @@ void PointwiseEskf::follow(const Window& window, const Map* map) {
   const auto times = frame_.match_time();
   records_.assign(times.size(), MatchRecord{});
   std::size_t s = 0, i = map == nullptr ? times.size() : 0;
-  while (s < imu_.size() || i < times.size()) {
-    if (i == times.size() || (s < imu_.size() && imu_[s].t <= times[i])) {
+  while (s < readings_ || i < times.size()) {
+    if (i == times.size() || (s < readings_ && imu_[s].t <= times[i])) {
       take_imu(imu_[s++]);
       continue;
     }

@@ -89,8 +89,8 @@ class PointwiseEskf final : public Estimator {
   std::vector<Vec6> row_slopes_;
   Neighbours neighbours_;
   // Of the window.
-  std::vector<ImuSample> path_;  ///< of the window after its begin, up to its end
-  std::vector<ImuSample> imu_;   ///< those of them that are readings
+  std::vector<ImuSample> imu_;  ///< of the window after its begin, up to its end
+  std::size_t readings_ = 0;    ///< of them that are readings: all, or all but the last
   Mat6 information_ = Mat6::Zero();
   double nis_sum_ = 0;
   std::vector<NavState> states_;

@@ -29,17 +29,13 @@ bool InsertCellNearest::nearer_to_centre(std::size_t query) const {
 }
 
 InsertCount InsertCellNearest::apply(const Window& window, const Update& update, Map& map) {
-  const auto points = update.points(Tap::map);
-  InsertCount count{points.size(), 0};
-  for (const std::uint8_t kind : {feature_class::plane, feature_class::line}) {
-    count.inserted += insert(of_kind(points, kind, own_), kind, window.sequence, map);
-  }
-  return count;
+  return insert_by_kind(update.points(Tap::map), own_, [&](std::span<const WorldPoint> points, std::uint8_t kind) {
+    return insert(points, kind, window.sequence, map);
+  });
 }
 
 std::size_t InsertCellNearest::insert(std::span<const WorldPoint> points, std::uint8_t kind, std::uint32_t stamp,
                                       Map& map) {
-  if (points.empty()) return 0;
   if (queries_.capacity() < points.size()) {
     queries_.reserve(2 * points.size());
     chosen_.reserve(2 * points.size());

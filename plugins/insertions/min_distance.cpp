@@ -10,17 +10,13 @@ void InsertMinDistance::describe(config::Binder& b, Params& p) {
 }
 
 InsertCount InsertMinDistance::apply(const Window& window, const Update& update, Map& map) {
-  const auto points = update.points(Tap::map);
-  InsertCount count{points.size(), 0};
-  for (const std::uint8_t kind : {feature_class::plane, feature_class::line}) {
-    count.inserted += insert(of_kind(points, kind, own_), kind, window.sequence, map);
-  }
-  return count;
+  return insert_by_kind(update.points(Tap::map), own_, [&](std::span<const WorldPoint> points, std::uint8_t kind) {
+    return insert(points, kind, window.sequence, map);
+  });
 }
 
 std::size_t InsertMinDistance::insert(std::span<const WorldPoint> points, std::uint8_t kind, std::uint32_t stamp,
                                       Map& map) {
-  if (points.empty()) return 0;
   if (queries_.capacity() < points.size()) queries_.reserve(2 * points.size());
   queries_.clear();
   for (const WorldPoint& point : points) queries_.push_back(point.p_W);

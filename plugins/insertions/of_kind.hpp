@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "aslio/stages/points.hpp"
+#include "aslio/stages/map.hpp"
 
 namespace aslio::plugins {
 
@@ -17,6 +17,17 @@ inline std::span<const WorldPoint> of_kind(std::span<const WorldPoint> points, s
   storage.clear();
   std::copy_if(points.begin(), points.end(), std::back_inserter(storage), belongs);
   return storage;
+}
+
+/// Hands the points of each kind to `insert(points, kind)`, which returns how many have entered.
+template <class Insert>
+InsertCount insert_by_kind(std::span<const WorldPoint> points, std::vector<WorldPoint>& storage, const Insert& insert) {
+  InsertCount count{points.size(), 0};
+  for (const std::uint8_t kind : {feature_class::plane, feature_class::line}) {
+    const auto own = of_kind(points, kind, storage);
+    if (!own.empty()) count.inserted += insert(own, kind);
+  }
+  return count;
 }
 
 }  // namespace aslio::plugins

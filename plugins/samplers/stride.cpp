@@ -31,7 +31,7 @@ StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
 
 bool StrideSampler::keeps(const TimedPoint& p) const {
   if (by_ == By::point) return p.index % keep_every_ == phase_;
-  return mixed(static_cast<std::uint64_t>(p.t) + 0x9e3779b97f4a7c15ULL * seed_) % keep_every_ == 0;
+  return mixed(static_cast<std::uint64_t>(p.t) + kGoldenRatio * seed_) % keep_every_ == 0;
 }
 
 void StrideSampler::sample(SampleBatch& batch) {

@@ -37,9 +37,9 @@ class Balls {
   std::array<std::array<Slice, kMaxLayers + 1>, kMaxLayers> reaches_{};
 };
 
-/// The cells within 3 of one, as bits: word dx + 3, bit 8 (dy + 3) + dz + 3.
-using Surroundings = std::array<std::uint64_t, 7>;
-inline constexpr int kSurroundings = 3;  ///< cells either way
+inline constexpr int kSurroundings = 3;  ///< cells either way: in one direction at most two bricks
+/// The cells within kSurroundings = 3 of one, as bits: word dx + 3, bit 8 (dy + 3) + dz + 3.
+using Surroundings = std::array<std::uint64_t, 2 * kSurroundings + 1>;
 
 /// The bricks in which the surroundings of a cell lie: [x][y][z], from that of the lowest cell on. Those not needed may
 /// be null: an axis needs a second one where straddles() says so.

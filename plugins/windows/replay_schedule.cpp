@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/spread.hpp"
 
 namespace aslio::plugins {
 
@@ -63,10 +64,9 @@ struct Row {
 
 /// SplitMix64 (Steele et al. 2014).
 std::uint64_t draw(std::uint64_t& state) {
-  std::uint64_t x = state += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
+  const std::uint64_t drawn = mixed(state);
+  state += kGoldenRatio;
+  return drawn;
 }
 
 }  // namespace

@@ -235,21 +235,27 @@ class PoseError(StudyCase):
         path.chmod(0o755)
         return path
 
-    def test_changes_by_metric_and_size(self):
+    def score(self, hard, soft):
         # Frames of 1 s at 0.9, moved by 0.08 / 0.02 (hard / soft) below and above it in turn, undefined at first.
         program = self.program(
             "block = words[words.index('--set') + 1]\n"
-            "d = 0.08 if 'hard' in block else 0.02\n"
+            f"d = {hard} if 'hard' in block else {soft}\n"
             "with open(words[words.index('--output') + 1], 'w') as out:\n"
             "    out.write('t_ns,sod,sod_moved\\n0,,\\n')\n"
             "    for i in range(1, 21): out.write(f'{i}000000000,0.9,{0.9 - d if i % 4 else 0.9 + d}\\n')\n")
-        (self.root / "data").mkdir()
+        (self.root / "data").mkdir(exist_ok=True)
         code, text, err = printed(sod_pose_error.main, self.root / "data", "--aslio", program, "--output", self.root / "out",
                                   "--skip", 0.5)
         self.assertEqual(code, 0, err)
+        return text
+
+    def test_changes_by_metric_and_size(self):
+        text = self.score(0.08, 0.02)
         self.assertIn("| hard | 0.1 | 0.900 | 0.0800 | 0.0800 | -0.0400 | 4.0 |", text)
         self.assertIn("| soft, 3 layers | 0.4 | 0.900 | 0.0200 | 0.0200 | -0.0100 | 1.0 |", text)
         self.assertEqual(len(rows(self.root / "out/sod_pose_error.csv")), 12)
+        self.assertIn("changes less than the hard one at 4 of 4 sizes (needs all): **holds**", text)
+        self.assertIn("at 0 of 4 sizes (needs all): **does not hold**", self.score(0.02, 0.08))
 
     def test_a_command_that_fails_is_told(self):
         program = self.program("sys.exit('error: no such stage')\n")

@@ -121,6 +121,11 @@ class ResultsTable(StudyCase):
         self.assertIn("--seeds 1-3 --scale 0.3\n", out)
         self.assertIn("Revision 0123456789ab-dirty.", out)
 
+    def test_the_command_has_what_the_verdict_was_reached_with(self):
+        self.one()
+        _, out, _ = printed(results_table.main, self.root, "--best-fixed", "fixed_50")
+        self.assertRegex(out, r"(?m)^tools/analysis/results_table.py out/\w+ --best-fixed fixed_50$")
+
     def test_seeds_as_ranges(self):
         self.assertEqual(results_table.ranges([7, 1, 2, 3, 9, 10]), "1-3,7,9-10")
         self.assertEqual(results_table.ranges([]), "")

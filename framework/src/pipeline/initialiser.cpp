@@ -9,6 +9,7 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/spread.hpp"
 
 namespace aslio::pipeline {
 
@@ -75,9 +76,8 @@ void refuse_impossible_gravity(double norm, bool at_rest) {
 }  // namespace
 
 TimeNs start_offset(std::uint64_t order_seed) {
-  constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15;  // of 2^64; the product wraps around
-  constexpr std::uint64_t kLongest = 100'000'000;        // a sweep of most sensors
-  return static_cast<TimeNs>((((order_seed * kGolden) >> 32U) * kLongest) >> 32U);
+  constexpr std::uint64_t kLongest = 100'000'000;  // a sweep of most sensors
+  return static_cast<TimeNs>((((order_seed * kGoldenRatio) >> 32U) * kLongest) >> 32U);
 }
 
 std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,

@@ -6,9 +6,12 @@
 
 namespace aslio {
 
+/// 2^64 by the golden ratio: multiples of it (mod 2^64) are spread evenly over any run of factors.
+inline constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15U;
+
 /// Bits without a pattern, the same for the same x (SplitMix64, Steele et al. 2014).
 constexpr std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15U;
+  x += kGoldenRatio;
   x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
   x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
   return x ^ (x >> 31U);

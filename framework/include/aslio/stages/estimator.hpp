@@ -104,6 +104,7 @@ struct InertialEstimate {
   Vec3 b_w = Vec3::Zero();  ///< of the gyro [rad/s]
   Vec3 b_a = Vec3::Zero();  ///< of the accelerometer [m/s^2]
 
+  static InertialEstimate of(const NavState& state) { return {state.v, state.b_w, state.b_a}; }
   void put(NavState& state) const {
     state.v = v;
     state.b_w = b_w;

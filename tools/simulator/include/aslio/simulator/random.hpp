@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <random>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::simulator {
 
 /// Random numbers that are the same on every platform: std::mt19937_64 is specified bit by bit, the distributions of
-/// the standard library are not. One stream per purpose, so that switching one noise off leaves the others as they are.
+/// the standard library are not; mixed() gives neighbouring seeds unrelated states. One stream per purpose, so that
+/// switching one noise off leaves the others as they are.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint64_t purpose) : engine_(mixed(seed + mixed(purpose))) {}
@@ -40,14 +43,6 @@ class RandomStream {
   }
 
  private:
-  /// SplitMix64's finaliser: neighbouring seeds give unrelated states.
-  static std::uint64_t mixed(std::uint64_t z) {
-    z += 0x9e3779b97f4a7c15ULL;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-    return z ^ (z >> 31U);
-  }
-
   std::mt19937_64 engine_;
   double spare_ = 0;
   bool has_spare_ = false;
