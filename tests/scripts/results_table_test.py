@@ -74,6 +74,9 @@ class ResultsTable(StudyCase):
         self.assertEqual(code, 0)
         self.assertIn("30 runs, 16 failed: bad 7 of 10, worse 9 of 10 (reasons: `table.md`).", out)
         self.assertEqual((out.count("| ATE [m] |"), out.count("| rotation [deg] |")), (1, 2))  # of the medians, and by seed
+        _, out, _ = printed(results_table.main, self.root, "--values", "none")
+        self.assertNotIn("All values by seed", out)
+        self.assertEqual((out.count("| ATE [m] |"), out.count("| rotation [deg] |")), (1, 1))
         with self.assertRaises(SystemExit) as end:
             printed(results_table.main, self.root, "--values", "nonsense")
         self.assertEqual(end.exception.code, 2)
@@ -107,6 +110,14 @@ class ResultsTable(StudyCase):
         self.study("mine", [(s, 1, m, 0.1) for s in ("a", "b") for m in ("x", "y")])
         _, out, _ = printed(results_table.main, self.root)
         self.assertIn("| ATE [m] | a | b |\n|---|---|---|\n| x | 0.1000 | 0.1000 |", out)
+
+    def test_figures_of_one_seed_are_no_medians(self):
+        self.study("mine", [(s, 1, m, 0.1) for s in ("a", "b") for m in ("x", "y")])
+        _, out, _ = printed(results_table.main, self.root)
+        self.assertIn("\n\nOne run each:\n\n| ATE [m] | a | b |", out)
+        self.assertNotIn("Median", out)
+        self.study("mine", [("a", 1, "x", 0.1), ("a", 2, "x", 0.1), ("a", 1, "y", 0.1)])
+        self.assertIn("\n\nMedian (smallest to largest) over seeds:\n\n", printed(results_table.main, self.root)[1])
 
     def test_scale_and_revision_are_told(self):
         self.one()

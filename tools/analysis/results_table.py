@@ -136,10 +136,16 @@ def all_values(study, metrics):
                         text_of(run.value(metric), metric, (metric == "end_to_end_m" and run.mark) or "x"))
                 lines.append([sequence, method, *(" ".join(by_seed.get(seed, ["-"])) for seed in seeds)])
         tables.append(markdown_table([METRICS[metric][0], "method", *(f"seed {seed}" if seed else "run" for seed in seeds)], lines))
-    return "<details><summary>All values by seed</summary>\n\n" + "\n\n".join(tables) + "\n\n</details>"
+    return tables and "<details><summary>All values by seed</summary>\n\n" + "\n\n".join(tables) + "\n\n</details>"
 
 
 MOST_TOLD = 8
+
+
+def caption(study):
+    """What the figures of the tables are."""
+    single = all(len(study.of(method, sequence)) <= 1 for method in study.methods for sequence in study.sequences)
+    return "One run each" if single else "Median (smallest to largest) over seeds"
 
 
 def told_failures(study):
@@ -165,8 +171,8 @@ def section(study, metrics, options):
     extent += f" **Not one configuration: runs of {', '.join(mixed)} differ in resolved.yaml.**" if mixed else ""
     extent += f" Revision {', '.join(made)}." if made else ""
     parts = [f"## Study `{study.name}`", study.question, command(study, options), extent, verdict(study, options),
-             "Median (smallest to largest) over seeds:", summary(study, metrics), FOOTNOTE if told_marks else "",
-             all_values(study, [metric for metric in metrics if metric in (options.values or metrics)])]
+             f"{caption(study)}:", summary(study, metrics), FOOTNOTE if told_marks else "",
+             all_values(study, [metric for metric in metrics if options.values is None or metric in options.values])]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -184,13 +190,16 @@ def arguments(words):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("studies", nargs="+", help="output folders of aslio experiment")
     parser.add_argument("--metrics", default=USUAL, help=f"of {', '.join(METRICS)}; default {USUAL}")
-    parser.add_argument("--values", help="those whose values by seed are listed, too; default: all of --metrics")
+    parser.add_argument("--values", help="those whose values by seed are listed, too, or 'none'; default: all of --metrics")
     parser.add_argument("--into", metavar="FILE", help="document whose sections are renewed; without, they go to stdout")
     parser.add_argument("--best-fixed", metavar="METHOD", help="as for decide.py")
     parser.add_argument("--tuning", metavar="STUDY", help="as for decide.py")
     options = parser.parse_args(words)
     options.metrics = options.metrics.split(",")
-    options.values = options.values.split(",") if options.values else None
+    if options.values == "none":
+        options.values = []
+    elif options.values is not None:
+        options.values = options.values.split(",")
     for option, metrics in (("--metrics", options.metrics), ("--values", options.values or [])):
         unknown = [metric for metric in metrics if metric not in METRICS]
         if unknown:
