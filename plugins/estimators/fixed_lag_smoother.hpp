@@ -26,6 +26,8 @@ class FixedLagSmoother final : public Estimator {
 
   MapContent map_content() const override { return front_->map_content(); }
   bool uses_history() const override { return front_->uses_history(); }
+  bool uses_cuts() const override { return front_->uses_cuts(); }
+  bool uses_features() const override { return front_->uses_features(); }
   void reset(const InitialState& initial) override;
   void adopt(const InertialEstimate& better) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;

@@ -42,6 +42,7 @@ class ScanMatcher final : public Estimator {
 
   bool uses_imu() const override { return params_.prediction == Prediction::imu; }
   bool uses_history() const override { return false; }
+  bool uses_features() const override { return true; }
   void reset(const InitialState& initial) override;
   void adopt(const InertialEstimate& better) override { better.put(state_); }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;

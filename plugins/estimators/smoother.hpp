@@ -43,6 +43,7 @@ class Smoother final : public Estimator, private PointRevision {
     return residual_->surfaces_from_map() ? MapContent::surfaces : MapContent::points;
   }
   bool uses_history() const override { return false; }
+  bool uses_cuts() const override { return true; }
   void reset(const InitialState& initial) override;
   void adopt(const InertialEstimate& better) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;

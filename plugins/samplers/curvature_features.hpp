@@ -33,6 +33,7 @@ class CurvatureFeatures final : public Sampler {
   CurvatureFeatures(const Params& params, const BuildContext& context);
 
   ActsOn acts_on() const override { return ActsOn::body; }
+  bool gives_features() const override { return true; }
   void sample(SampleBatch& batch) override;
 
  private:

@@ -73,6 +73,10 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
        {":4:10: history: 'balanced' gives points of earlier updates", "'pointwise_eskf' takes none", "{type: none}"}},
       {with(head, "history: none", "history: full") + "map: voxel_hash\nestimator: smoother\n",
        {":4:10: history: 'full' gives points", "'smoother' takes none"}},
+      {with(head, "{type: fixed}", "{type: imu_rate, emit: cuts}") + points,
+       {":2:9: window: 'imu_rate' names parts", "'ieskf' makes nothing of them", "window.emit to 'updates'"}},
+      {head + "map: {type: feature_maps}\nestimator: scan_matcher\n",
+       {":5:11: samplers: none of them tells edges from planes", "'scan_matcher'", "curvature_features"}},
       {with(head, "{type: fixed}", replay) + points,
        {":2:9: window: ", "gone.csv: cannot open the schedule", "name the updates.csv of a run"}},
       {with(head, "{type: fixed}", schedule) + points, {":2:9: window: ", "torn.csv:3: t_ns 'x' is not a time"}}};

@@ -100,10 +100,10 @@ TEST_CASE("every shipped pipeline without IMU follows a walk seen all round") {
   }
   SensorModel sensor;
   sensor.T_imu_lidar = Pose{};
-  int played = 0;
+  std::vector<std::string> played;
   for (const std::string& name : shipped_names()) {
     if (uses_imu(name)) continue;
-    ++played;
+    played.push_back(name);
     Run run(shipped(name), sensor);
     run.play(recording);
     CAPTURE(name);
@@ -115,7 +115,7 @@ TEST_CASE("every shipped pipeline without IMU follows a walk seen all round") {
     CHECK(found.ate.translation.rmse < 0.15);
     CHECK(found.ate.rotation.rmse < 2.0);
   }
-  CHECK(played >= 2);
+  CHECK(played == std::vector<std::string>{"ct_icp", "kiss_icp", "loam"});
 }
 
 TEST_CASE("every shipped pipeline with an IMU follows the walk to its end") {
@@ -160,7 +160,10 @@ TEST_CASE("every shipped pipeline runs on the whole quickstart scene, and with a
     for (const auto& update : run.updates) {
       REQUIRE((update.state.R.allFinite() && update.state.p.allFinite() && update.state.v.allFinite()));
     }
-    if (!uses_imu(name)) continue;  // a narrow view alone may lose the walk, and two of them do
+    if (!uses_imu(name)) {  // a narrow view alone may lose the walk: kiss_icp and loam do
+      if (name == "ct_icp") CHECK_FALSE(run.odometry.divergence());
+      continue;
+    }
     CHECK_FALSE(run.odometry.divergence());
     CHECK(run.odometry.tracking() != pipeline::TrackingStatus::lost);
     const auto found = evaluation::evaluate(run.trajectory(), simulation.truth());

@@ -34,7 +34,8 @@ std::vector<TimeNs> read_update_times(const fs::path& csv) {
 }
 
 RecordedRun run(const std::string& pipeline, int threads, const fs::path& input, const char* sensor,
-                const fs::path& reference, const std::vector<std::string>& overrides = {}) {
+                const fs::path& reference, const std::vector<std::string>& overrides = {},
+                std::uint64_t order_seed = 0) {
   const fs::path configs = fs::path(ASLIO_SOURCE_DIR) / "configs";
   // Tests of one folder may run at once.
   const fs::path output =
@@ -47,6 +48,7 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
   options.threads = threads;
   options.reference = reference;
   options.overrides = overrides;
+  options.order_seed = order_seed;
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   Unwatched monitor;
@@ -62,8 +64,10 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
 
 }  // namespace
 
-RecordedRun run_on_avia(const std::string& pipeline, int threads, const std::vector<std::string>& overrides) {
-  return run(pipeline, threads, unpacked_avia(), "livox_avia.yaml", recorded("avia_corridor.gt.tum"), overrides);
+RecordedRun run_on_avia(const std::string& pipeline, int threads, const std::vector<std::string>& overrides,
+                        std::uint64_t order_seed) {
+  return run(pipeline, threads, unpacked_avia(), "livox_avia.yaml", recorded("avia_corridor.gt.tum"), overrides,
+             order_seed);
 }
 
 RecordedRun run_on_kitti(const std::string& pipeline, int threads, const std::string& reference) {

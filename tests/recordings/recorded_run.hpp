@@ -28,7 +28,9 @@ struct RecordedRun {
 
 /// `pipeline` names a file of configs/pipelines; `overrides` as `aslio run --set`. Throws what experiment::run() and
 /// unpacked_*() throw.
-RecordedRun run_on_avia(const std::string& pipeline, int threads = 1, const std::vector<std::string>& overrides = {});
+/// `order_seed`: another offset of the first window, another phase of the strides.
+RecordedRun run_on_avia(const std::string& pipeline, int threads = 1, const std::vector<std::string>& overrides = {},
+                        std::uint64_t order_seed = 0);
 /// Evaluated against a published system, for OXTS drifts by metres here.
 RecordedRun run_on_kitti(const std::string& pipeline, int threads = 1,
                          const std::string& reference = "reference/kitti_0005/fast_lio2.tum");

@@ -30,6 +30,13 @@ class ResultsTable(StudyCase):
         self.assertIn("--output out/echo --seeds 1-3\n", out)
         self.assertIn("on 2 of 3 pairs, needs 2: **holds**\n", out)
         self.assertNotIn("rotation", out)  # no run has it
+        self.assertIn("Of the file, which the command runs whole, without ramp.", out)  # of experiments/echo.yaml
+
+    def test_all_arms_of_a_file(self):
+        self.study("echo", [("a", 1, method, 0.1) for method in ("no_echo", "as_lio", "ramp")])
+        self.assertNotIn("Of the file", printed(results_table.main, self.root)[1])
+        self.study("seg_step", [("a", 1, "frame_0.1_seg_step_0.03", 0.1)])  # varies a key
+        self.assertNotIn("Of the file", printed(results_table.main, self.root)[1])
 
     def test_marks_of_the_paper_from_the_truth(self):
         """100 m at 1 m/s: good; good by its status, but far off late; far off soon; silent; crashed soon; without a truth."""
@@ -119,6 +126,16 @@ class ResultsTable(StudyCase):
         self.study("mine", [("a", 1, "x", 0.1), ("a", 2, "x", 0.1), ("a", 1, "y", 0.1)])
         self.assertIn("\n\nMedian (smallest to largest) over seeds:\n\n", printed(results_table.main, self.root)[1])
 
+    def test_what_a_lost_run_cost_until_then(self):
+        runs = [("a", 1, "m", (0.1, 0.04)), ("a", 2, "m", (0.3, 0.02), "diverged"), ("a", 3, "m", (None, None), "crashed")]
+        self.study("mine", runs, figures=("ate_m", "cpu_s_per_s"))
+        _, out, _ = printed(results_table.main, self.root)
+        self.assertIn("| m | x (0.1000 to 0.1000), 2 of 3 failed | 0.0300 (0.0200 to 0.0400) |", out)
+        self.assertIn("| a | m | 0.0400 | 0.0200 | - |", out)
+        self.assertIn("CPU and RSS of runs that were lost are those until then.", out)
+        self.study("mine", runs[:1], figures=("ate_m", "cpu_s_per_s"))
+        self.assertNotIn("until then", printed(results_table.main, self.root)[1])
+
     def test_scale_and_revision_are_told(self):
         self.one()
         for seed in (1, 2, 3):
@@ -136,6 +153,13 @@ class ResultsTable(StudyCase):
         self.one()
         _, out, _ = printed(results_table.main, self.root, "--best-fixed", "fixed_50")
         self.assertRegex(out, r"(?m)^tools/analysis/results_table.py out/\w+ --best-fixed fixed_50$")
+
+    def test_the_verdict_says_what_was_compared_with(self):
+        methods = ("fixed_10", "fixed_20", "fixed_50", "fixed_20_history", "as_lio")
+        self.study("ideal_imu", [("a", 1, method, 0.1) for method in methods])
+        self.assertIn("Best fixed rate: `fixed_10`, chosen **on these very data, which favours it", printed(results_table.main, self.root)[1])
+        self.assertIn("Best fixed rate: `fixed_50`, as chosen by the caller.",
+                      printed(results_table.main, self.root, "--best-fixed", "fixed_50")[1])
 
     def test_seeds_as_ranges(self):
         self.assertEqual(results_table.ranges([7, 1, 2, 3, 9, 10]), "1-3,7,9-10")

@@ -43,6 +43,26 @@ FOOTNOTE = (
     "update has been accepted for more than 1 s.")
 
 
+COSTS = ("rate_hz", "cpu_s_per_s", "peak_rss_mb")
+COSTS_FOOTNOTE = "Rate, CPU and RSS of runs that were lost are those until then."
+
+
+def value_of(run, metric):
+    """What a run cost until it was lost is a cost, too."""
+    return run.figures.get(metric) if metric in COSTS else run.value(metric)
+
+
+def values_of(study, method, sequence, metric):
+    """Of all recordings, each by its median over the order seeds."""
+    if metric not in COSTS:
+        return study.values(method, sequence, metric)
+    found = {}
+    for run in study.of(method, sequence):
+        if value_of(run, metric) is not None:
+            found.setdefault(run.data, []).append(value_of(run, metric))
+    return [pairs.median(figures) for figures in found.values()]
+
+
 def text_of(value, metric, failure="x"):
     _, factor, digits = METRICS[metric]
     return "-" if value is None else failure if math.isinf(value) else f"{factor * value:.{digits}f}"
@@ -50,7 +70,7 @@ def text_of(value, metric, failure="x"):
 
 def spread(study, method, sequence, metric):
     """Median (smallest to largest) over the recordings, and how many of them failed."""
-    runs, values = study.of(method, sequence), study.values(method, sequence, metric)
+    runs, values = study.of(method, sequence), values_of(study, method, sequence, metric)
     good = [value for value in values if not math.isinf(value)]
     late = metric == "end_to_end_m" and 2 * sum(run.mark == "-" for run in runs) > len(values) - len(good)
     text = text_of(pairs.median(values), metric, "-" if late else "x")
@@ -102,10 +122,21 @@ def revisions(study):
 
 
 def verdict(study, options):
-    """The lines of the rule."""
+    """What was compared with, where the rule leaves that open, and the lines of the rule."""
     report = Report(study)
     decide.rule_of(study)(report, options)
-    return "\n".join(part for part in report.parts if part.startswith("- "))
+    choice = [part for part in report.parts if part.startswith("Best fixed rate")]
+    return "\n\n".join([*choice, "\n".join(part for part in report.parts if part.startswith("- "))])
+
+
+def left_out(study):
+    """Arms of the study's file in this repository that no run is of; none where the file varies keys, which makes others."""
+    path = pathlib.Path(__file__).resolve().parents[2] / "experiments" / f"{study.name}.yaml"
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    if re.search(r"^vary:", text, re.MULTILINE):
+        return []
+    arms = re.findall(r"^  - (?:\{ *)?name: ([^\s,}]+)", text.partition("\nmethods:")[2], re.MULTILINE)
+    return [arm for arm in arms if arm not in study.methods]
 
 
 def summary(study, metrics):
@@ -133,7 +164,7 @@ def all_values(study, metrics):
                 by_seed = {}
                 for run in study.of(method, sequence):
                     by_seed.setdefault(run.seed, []).append(
-                        text_of(run.value(metric), metric, (metric == "end_to_end_m" and run.mark) or "x"))
+                        text_of(value_of(run, metric), metric, (metric == "end_to_end_m" and run.mark) or "x"))
                 lines.append([sequence, method, *(" ".join(by_seed.get(seed, ["-"])) for seed in seeds)])
         tables.append(markdown_table([METRICS[metric][0], "method", *(f"seed {seed}" if seed else "run" for seed in seeds)], lines))
     return tables and "<details><summary>All values by seed</summary>\n\n" + "\n\n".join(tables) + "\n\n</details>"
@@ -170,8 +201,11 @@ def section(study, metrics, options):
     mixed = study.mixed()
     extent += f" **Not one configuration: runs of {', '.join(mixed)} differ in resolved.yaml.**" if mixed else ""
     extent += f" Revision {', '.join(made)}." if made else ""
+    missing = left_out(study)
+    extent += f" Of the file, which the command runs whole, without {', '.join(missing)}." if missing else ""
     parts = [f"## Study `{study.name}`", study.question, command(study, options), extent, verdict(study, options),
              f"{caption(study)}:", summary(study, metrics), FOOTNOTE if told_marks else "",
+             COSTS_FOOTNOTE if failures and set(COSTS) & set(metrics) else "",
              all_values(study, [metric for metric in metrics if options.values is None or metric in options.values])]
     return "\n\n".join(part for part in parts if part) + "\n"
 

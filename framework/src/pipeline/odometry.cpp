@@ -59,20 +59,7 @@ class Odometry::Loop {
       stages_.overlap->advance(plan.end);
       record.overlap = stages_.overlap->evaluate(update.points(Tap::overlap), plan.end);
     }
-    if (update.insert) {
-      const CpuTimer timer(record.times.insert);
-      if (update.restart_map) {
-        stages_.map->clear();
-        stages_.overlap->clear();
-      }
-      const InsertCount inserted = stages_.insertion->apply(window, update, *stages_.map);
-      record.inserted.offered += inserted.offered;
-      record.inserted.inserted += inserted.inserted;
-      stages_.overlap->extend(update.points(Tap::overlap), plan.end);
-      stages_.map->trim(update.state.p);
-      stages_.overlap->trim(update.state.p, stages_.map->radius());
-      if (feedback_.first_insertion == kTimeMax && stages_.map->size() > 0) feedback_.first_insertion = plan.end;
-    }
+    if (update.insert) insert(window, update, record);
     if (update.accepted || update.status == UpdateStatus::initialising) {
       stages_.history->commit(window, update);
     } else {
@@ -104,6 +91,25 @@ class Odometry::Loop {
     feedback_.state = initialisation_->initial.state;
     stream_.release(feedback_.t);
     return true;
+  }
+
+  /// What the overlap takes to learn what is known counts as its cost, not as the map's.
+  void insert(const Window& window, const Update& update, UpdateRecord& record) {
+    {
+      const CpuTimer timer(record.times.insert);
+      if (update.restart_map) stages_.map->clear();
+      const InsertCount inserted = stages_.insertion->apply(window, update, *stages_.map);
+      record.inserted.offered += inserted.offered;
+      record.inserted.inserted += inserted.inserted;
+      stages_.map->trim(update.state.p);
+    }
+    {
+      const CpuTimer timer(record.times.overlap);
+      if (update.restart_map) stages_.overlap->clear();
+      stages_.overlap->extend(update.points(Tap::overlap), window.plan.end);
+      stages_.overlap->trim(update.state.p, stages_.map->radius());
+    }
+    if (feedback_.first_insertion == kTimeMax && stages_.map->size() > 0) feedback_.first_insertion = window.plan.end;
   }
 
   void report(const Window& window, const HistorySelection& past, const Update& update, UpdateRecord& record) {

@@ -30,12 +30,30 @@ SamplerChain build_chain(const std::vector<config::Nested<Sampler>>& members, co
 
 std::string content(const Map& map) { return map.content() == MapContent::surfaces ? "surfaces" : "points"; }
 
-void require_fit(const PipelineConfig& config, const StageSet& stages) {
-  if (stages.history && stages.estimator && stages.history->gives_points() && !stages.estimator->uses_history()) {
+/// What an estimator takes, and what the stages before it give.
+void require_input(const PipelineConfig& config, const StageSet& stages, bool has_samplers) {
+  const std::string& estimator = config.estimator.type();
+  if (stages.window && stages.window->gives_cuts() && !stages.estimator->uses_cuts()) {
+    throw StageError("window", fmt::format("window: '{}' names parts of a window, and estimator '{}' makes nothing of "
+                                           "them: set window.emit to 'updates', or choose an estimator that smooths "
+                                           "over the parts (smoother)",
+                                           config.window.type(), estimator));
+  }
+  if (has_samplers && stages.estimator->uses_features() && !stages.samplers.gives_features()) {
+    throw StageError("samplers",
+                     fmt::format("samplers: none of them tells edges from planes, and estimator '{}' matches nothing "
+                                 "else: add {{type: curvature_features}}, or choose another estimator",
+                                 estimator));
+  }
+  if (stages.history && stages.history->gives_points() && !stages.estimator->uses_history()) {
     throw StageError("history", fmt::format("history: '{}' gives points of earlier updates, and estimator '{}' takes "
                                             "none: set history to {{type: none}}, or choose another estimator",
-                                            config.history.type(), config.estimator.type()));
+                                            config.history.type(), estimator));
   }
+}
+
+void require_fit(const PipelineConfig& config, const StageSet& stages, bool has_samplers) {
+  if (stages.estimator) require_input(config, stages, has_samplers);
   if (!stages.map) return;
   if (stages.insertion && stages.insertion->needs_nearest_points() && stages.map->content() == MapContent::surfaces) {
     throw StageError("insertion",
@@ -63,13 +81,12 @@ StageSet build_stages(const PipelineConfig& config, const BuildContext& context,
   stages.window = make("window", config.window);
   stages.overlap = make("overlap", config.overlap);
   stages.history = make("history", config.history);
-  if (std::find(left_out.begin(), left_out.end(), "samplers") == left_out.end()) {
-    stages.samplers = build_chain(config.samplers, context);
-  }
+  const bool has_samplers = std::find(left_out.begin(), left_out.end(), "samplers") == left_out.end();
+  if (has_samplers) stages.samplers = build_chain(config.samplers, context);
   stages.map = make("map", config.map);
   stages.insertion = make("insertion", config.insertion);
   stages.estimator = make("estimator", config.estimator);
-  require_fit(config, stages);
+  require_fit(config, stages, has_samplers);
   return stages;
 }
 

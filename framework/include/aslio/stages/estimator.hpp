@@ -126,6 +126,10 @@ class Estimator : public Stage {
   virtual bool uses_imu() const { return true; }
   /// Whether it takes points of earlier updates. If not, the history has to be `none`.
   virtual bool uses_history() const { return true; }
+  /// Whether it makes anything of WindowPlan::cuts. If not, the window has to give none.
+  virtual bool uses_cuts() const { return false; }
+  /// Whether it asks for points by their feature_class. If so, a sampler has to tell it.
+  virtual bool uses_features() const { return false; }
   virtual void reset(const InitialState& initial) = 0;
   /// state() has this velocity and these biases from here on, as from a smoother that wraps this estimator. Its pose
   /// and what the estimator remembers of earlier windows stay; one without IMU predicts from its poses, as before.

@@ -33,6 +33,8 @@ class Sampler : public Stage {
   virtual ActsOn acts_on() const = 0;
   /// Whether it may change `body` of points that it keeps.
   virtual bool moves_points() const { return false; }
+  /// Whether it sets the feature_class of points.
+  virtual bool gives_features() const { return false; }
   virtual void sample(SampleBatch& batch) = 0;
 };
 
@@ -48,6 +50,9 @@ class SamplerChain {
   }
   bool moves_points() const {
     return std::any_of(members_.begin(), members_.end(), [](const auto& member) { return member->moves_points(); });
+  }
+  bool gives_features() const {
+    return std::any_of(members_.begin(), members_.end(), [](const auto& member) { return member->gives_features(); });
   }
 
  private:

@@ -90,6 +90,8 @@ class WindowStrategy : public Stage {
   virtual std::optional<WindowPlan> next(const StreamView& stream, const Feedback& feedback, OverlapProbe& probe) = 0;
   /// Longest time before `feedback.t` that a later window may reach back [ns]; the stream keeps that much.
   virtual TimeNs reach() const = 0;
+  /// Whether its plans name cuts: of use to an estimator that takes them (Estimator::uses_cuts).
+  virtual bool gives_cuts() const { return false; }
 };
 
 /// The cut made by a plan: what an estimator works on. Spans stay valid until the stream is next extended.
