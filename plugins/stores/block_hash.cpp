@@ -1,6 +1,7 @@
 #include "stores/block_hash.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <utility>
 
@@ -11,6 +12,8 @@ namespace aslio::plugins {
 namespace {
 
 constexpr std::size_t kSmallest = 1024;  // slots
+/// Cells whose bricks are fetched at once: looking for one after the other is waiting for memory.
+constexpr std::size_t kBatch = 32;
 constexpr Brick kEmpty{};
 /// Cells of a brick that are looked at one by one before its planes are made: these cost as much as some ten of them.
 constexpr std::uint32_t kAlone = 8;
@@ -66,9 +69,13 @@ BlockHash::BlockHash(const Params& params, const BuildContext& context) {
   rehash(kSmallest);
 }
 
-std::size_t BlockHash::slot_of(std::uint64_t key) const {
+std::size_t BlockHash::first_slot(std::uint64_t key) const {
   // Four bricks above each other share a cache line: a dilation asks for three.
-  std::size_t slot = static_cast<std::size_t>((key >> 2) * 0x9e3779b97f4a7c15u >> slot_shift_) << 2 | (key & 3);
+  return static_cast<std::size_t>((key >> 2) * 0x9e3779b97f4a7c15u >> slot_shift_) << 2 | (key & 3);
+}
+
+std::size_t BlockHash::slot_of(std::uint64_t key) const {
+  std::size_t slot = first_slot(key);
   while (slots_[slot].key != key && slots_[slot].key != kNone) slot = (slot + 1) & (slots_.size() - 1);
   return slot;
 }
@@ -116,20 +123,30 @@ void BlockHash::announce_change(std::uint64_t key) {
 }
 
 void BlockHash::insert(std::span<const Cell> cells) {
-  std::uint64_t last = kNone;
-  std::size_t brick = 0;
-  for (const Cell& cell : cells) {
-    const std::uint64_t key = key_of(cell);
-    if (key != last) brick = find_or_add(key);
-    last = key;
-    std::uint64_t& word = bricks_[brick].words[Brick::word(cell)];
-    const std::uint64_t bit = Brick::bit(cell);
-    if ((word & bit) != 0) continue;
-    word |= bit;
-    ++size_;
-    // Once between two queries is enough: nothing is dilated in between.
-    if (std::exchange(labels_[brick].announced, queries_) != queries_) announce_change(key);
+  std::array<std::uint64_t, kBatch> keys{};
+  std::array<std::size_t, kBatch> bricks{};
+  for (; !cells.empty(); cells = cells.subspan(std::min(kBatch, cells.size()))) {
+    const std::size_t count = std::min(kBatch, cells.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      keys[i] = key_of(cells[i]);
+      __builtin_prefetch(&slots_[first_slot(keys[i])]);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      bricks[i] = i > 0 && keys[i] == keys[i - 1] ? bricks[i - 1] : find_or_add(keys[i]);
+      __builtin_prefetch(&bricks_[bricks[i]]);
+    }
+    for (std::size_t i = 0; i < count; ++i) set(bricks[i], cells[i], keys[i]);
   }
+}
+
+void BlockHash::set(std::size_t brick, const Cell& cell, std::uint64_t key) {
+  std::uint64_t& word = bricks_[brick].words[Brick::word(cell)];
+  const std::uint64_t bit = Brick::bit(cell);
+  if ((word & bit) != 0) return;
+  word |= bit;
+  ++size_;
+  // Once between two queries is enough: nothing is dilated in between.
+  if (std::exchange(labels_[brick].announced, queries_) != queries_) announce_change(key);
 }
 
 /// Null while looking at single cells is cheaper.

@@ -47,9 +47,12 @@ class BlockHash final : public OccupancyStore {
     std::uint64_t key = 0;
     std::uint32_t announced = 0;  // the query count at which the cache was last told of a change
   };
+  /// Where a key is looked for first, and where it is or would be.
+  std::size_t first_slot(std::uint64_t key) const;
   std::size_t slot_of(std::uint64_t key) const;
   const Brick* find(std::uint64_t key) const;
   std::size_t find_or_add(std::uint64_t key);
+  void set(std::size_t brick, const Cell& cell, std::uint64_t key);
   void rehash(std::size_t slots);
   /// Forgets the planes of a brick and of its neighbours.
   void announce_change(std::uint64_t key);
