@@ -200,6 +200,14 @@ class Verdicts(StudyCase):
         self.assertIn("as_lio saves on 6 of 9 sequences (needs 6 of 9): **holds**", out)
         self.assertIn("| indoor_1 | gyro_15 | gyro_15 | no |", out)
         self.assertIn("| outdoor_6 | gyro_15 | none | yes |", out)
+        self.assertIn("- not judged: fixed_20_history is as accurate on 9 of 9 sequences, and cheaper on 9 of these", out)
+        self.assertNotIn("no rival", out)
+        self.study("compute_saving", [(s, 1, m, v) for s in NINE for m, v in
+                                      (("as_lio", (0.1, 0.02, 100)), ("gyro_15", (0.2, 0.01, 200)), ("fixed_20_history", (0.2, 0.01, 100)))],
+                   figures=("ate_m", "cpu_s_per_s", "updates"))
+        _, out = self.decide()
+        self.assertIn("as_lio saves on 9 of 9 sequences (needs 6 of 9): **holds**\n\n- on 9 of these no rival is as accurate", out)
+        self.assertIn("- not judged: fixed_20_history is as accurate on 0 of 9 sequences", out)
 
     def test_a_study_without_a_rule_gets_its_figures(self):
         self.study("my_own", [("a", 1, "first", 0.2), ("a", 1, "second", 0.1)])
