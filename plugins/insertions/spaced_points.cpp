@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::plugins {
 
 void SpacedPoints::begin(std::size_t most) {
@@ -19,7 +21,7 @@ void SpacedPoints::begin(std::size_t most) {
 }
 
 std::size_t SpacedPoints::bucket(std::int64_t x, std::int64_t y, std::int64_t z) const {
-  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15U;
+  std::uint64_t h = static_cast<std::uint64_t>(x) * kGoldenRatio;
   h = (h ^ (h >> 29) ^ static_cast<std::uint64_t>(y)) * 0xbf58476d1ce4e5b9U;
   h = (h ^ (h >> 32) ^ static_cast<std::uint64_t>(z)) * 0x94d049bb133111ebU;
   return static_cast<std::size_t>(h ^ (h >> 31)) & (first_.size() - 1);

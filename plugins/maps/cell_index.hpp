@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "aslio/core/lie.hpp"
+#include "aslio/core/spread.hpp"
 
 namespace aslio::plugins {
 
@@ -66,7 +67,7 @@ class CellIndex {
     std::uint32_t number = kNone;
   };
 
-  std::size_t home(std::uint64_t key) const { return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> shift_); }
+  std::size_t home(std::uint64_t key) const { return static_cast<std::size_t>(key * kGoldenRatio >> shift_); }
   void place(const Slot& entry);
   void resize(std::size_t log2_size);
 

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::plugins {
 
 void CellHistogram::reset(std::size_t points) {
@@ -18,7 +20,7 @@ void CellHistogram::add(const Cell& cell) {
   };
   const std::uint64_t key = field(cell.x) << 42 | field(cell.y) << 21 | field(cell.z);
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> shift_);
+  std::size_t slot = static_cast<std::size_t>(key * kGoldenRatio >> shift_);
   for (; slots_[slot] != 0; slot = (slot + 1) & mask) {
     const std::size_t number = slots_[slot] - 1;
     if (cells_[number] == cell) {

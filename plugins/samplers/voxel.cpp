@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::plugins {
 
 namespace {
@@ -88,7 +90,7 @@ bool VoxelSampler::enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candi
   const bool clear_one = !batch.features.empty() && (batch.features[i] & feature_class::clearest) != 0;
   candidate.squared = clear_one ? -1.0f : keep_ == Keep::first ? 0.0f : dx * dx + dy * dy + dz * dz;
   candidate.from_centre = Eigen::Vector3f(dx, dy, dz);
-  candidate.at = ((candidate.key ^ (candidate.key >> 32)) * 0x9e3779b97f4a7c15ULL) >> shift_;
+  candidate.at = ((candidate.key ^ (candidate.key >> 32)) * kGoldenRatio) >> shift_;
   candidate.point = static_cast<std::uint32_t>(i);
   return true;
 }

@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "aslio/core/spread.hpp"
 #include "stores/shells.hpp"
 
 namespace aslio::plugins {
@@ -71,7 +72,7 @@ BlockHash::BlockHash(const Params& params, const BuildContext& context) {
 
 std::size_t BlockHash::first_slot(std::uint64_t key) const {
   // Four bricks above each other share a cache line: a dilation asks for three.
-  return static_cast<std::size_t>((key >> 2) * 0x9e3779b97f4a7c15u >> slot_shift_) << 2 | (key & 3);
+  return static_cast<std::size_t>((key >> 2) * kGoldenRatio >> slot_shift_) << 2 | (key & 3);
 }
 
 std::size_t BlockHash::slot_of(std::uint64_t key) const {
@@ -107,7 +108,7 @@ void BlockHash::rehash(std::size_t slots) {
 }
 
 std::size_t BlockHash::line_of(std::uint64_t key) const {
-  return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> line_shift_);
+  return static_cast<std::size_t>(key * kGoldenRatio >> line_shift_);
 }
 
 void BlockHash::announce_change(std::uint64_t key) {

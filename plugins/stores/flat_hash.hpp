@@ -1,6 +1,7 @@
 #pragma once
 
 #include "aslio/config/binder.hpp"
+#include "aslio/core/spread.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/overlap.hpp"
 
@@ -28,7 +29,7 @@ class FlatHash final : public OccupancyStore {
 
   /// Eight cells above each other share a cache line: a query walks up and down columns.
   std::size_t home(std::uint64_t key) const {
-    return static_cast<std::size_t>((key >> 3) * 0x9e3779b97f4a7c15u >> shift_) << 3 | (key & 7);
+    return static_cast<std::size_t>((key >> 3) * kGoldenRatio >> shift_) << 3 | (key & 7);
   }
   bool contains(std::uint64_t key) const {
     for (std::size_t slot = home(key);; slot = (slot + 1) & mask_) {

@@ -74,7 +74,7 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
       {with(head, "history: none", "history: full") + "map: voxel_hash\nestimator: smoother\n",
        {":4:10: history: 'full' gives points", "'smoother' takes none"}},
       {with(head, "{type: fixed}", "{type: imu_rate, emit: cuts}") + points,
-       {":2:9: window: 'imu_rate' names parts", "'ieskf' makes nothing of them", "window.emit to 'updates'"}},
+       {":2:9: window: 'imu_rate' names parts", "'ieskf' makes nothing of them", "emit: updates"}},
       {head + "map: {type: feature_maps}\nestimator: scan_matcher\n",
        {":5:11: samplers: none of them tells edges from planes", "'scan_matcher'", "curvature_features"}},
       {with(head, "{type: fixed}", replay) + points,

@@ -43,6 +43,7 @@ class WindowSpy final : public WindowStrategy {
     return inner_->next(stream, feedback, probe);
   }
   TimeNs reach() const override { return inner_->reach(); }
+  bool gives_cuts() const override { return inner_->gives_cuts(); }
 
  private:
   std::unique_ptr<WindowStrategy> inner_;
@@ -73,6 +74,7 @@ class OverlapSpy final : public OverlapMetric {
 class HistorySpy final : public HistoryPolicy {
  public:
   HistorySpy(std::unique_ptr<HistoryPolicy> inner, Observer& o) : inner_(std::move(inner)), observer_(o) {}
+  bool gives_points() const override { return inner_->gives_points(); }
   HistorySelection select(const Window& window) override {
     const Call call(observer_, "select");
     const HistorySelection selection = inner_->select(window);
@@ -100,6 +102,9 @@ class EstimatorSpy final : public Estimator {
   EstimatorSpy(std::unique_ptr<Estimator> inner, Observer& o) : inner_(std::move(inner)), observer_(o) {}
   MapContent map_content() const override { return inner_->map_content(); }
   bool uses_imu() const override { return inner_->uses_imu(); }
+  bool uses_history() const override { return inner_->uses_history(); }
+  bool uses_cuts() const override { return inner_->uses_cuts(); }
+  bool uses_features() const override { return inner_->uses_features(); }
   void reset(const InitialState& initial) override { inner_->reset(initial); }
   void adopt(const InertialEstimate& better) override { inner_->adopt(better); }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "aslio/core/cpu_clock.hpp"
 #include "aslio/simulator/analytic_world.hpp"
 #include "pipeline/runs.hpp"
 #include "pipeline/spies.hpp"
@@ -54,6 +55,25 @@ struct Watched {
   std::vector<pipeline::UpdateRecord> updates;
 };
 
+/// Takes 10 ms of CPU in every call of one name.
+class Burner final : public Observer {
+ public:
+  explicit Burner(std::string call) : call_(std::move(call)) {}
+  void before(const std::string& call) override {
+    if (call != call_) return;
+    const double end = thread_cpu_seconds() + 0.01;
+    while (thread_cpu_seconds() < end) {
+    }
+    burnt += 0.01;
+  }
+  void after(const std::string&) override {}
+
+  double burnt = 0;
+
+ private:
+  std::string call_;
+};
+
 const Calls kWhole = {"select", "update", "evaluate", "insert", "extend", "commit"};
 const Calls kInsertedUnmatched = {"select", "update", "evaluate", "insert", "extend", "reset"};
 const Calls kRefused = {"select", "update", "evaluate", "reset"};
@@ -94,4 +114,25 @@ TEST_CASE("a refused step forgets the history, and inserts only while dead recko
   }
   CHECK(inserted >= 4);
   CHECK(refused >= 2);
+}
+
+TEST_CASE("what the overlap learns is on its account, what enters the map on the map's") {
+  const simulator::AnalyticWorld world({.duration_scale = 0.5});
+  const auto source = world.source();
+  const auto recording = record(*source, world.begin_time() + to_ns(1.5));
+  for (const std::string call : {"evaluate", "extend", "insert"}) {
+    CAPTURE(call);
+    Burner burner(call);
+    const plugin::Catalog catalog = spied(built_in_stages(), burner);
+    Run run(shipped("as_lio", {}, catalog), world.sensor());
+    run.play(recording);
+    double overlap = 0, insert = 0;
+    for (const pipeline::UpdateRecord& update : run.updates) {
+      overlap += update.times.overlap;
+      insert += update.times.insert;
+    }
+    REQUIRE(burner.burnt > 0.1);
+    CHECK((call == "insert" ? insert : overlap) >= burner.burnt);
+    CHECK((call == "insert" ? overlap : insert) < burner.burnt);
+  }
 }

@@ -52,17 +52,6 @@ def value_of(run, metric):
     return run.figures.get(metric) if metric in COSTS else run.value(metric)
 
 
-def values_of(study, method, sequence, metric):
-    """Of all recordings, each by its median over the order seeds."""
-    if metric not in COSTS:
-        return study.values(method, sequence, metric)
-    found = {}
-    for run in study.of(method, sequence):
-        if value_of(run, metric) is not None:
-            found.setdefault(run.data, []).append(value_of(run, metric))
-    return [pairs.median(figures) for figures in found.values()]
-
-
 def text_of(value, metric, failure="x"):
     _, factor, digits = METRICS[metric]
     return "-" if value is None else failure if math.isinf(value) else f"{factor * value:.{digits}f}"
@@ -70,7 +59,7 @@ def text_of(value, metric, failure="x"):
 
 def spread(study, method, sequence, metric):
     """Median (smallest to largest) over the recordings, and how many of them failed."""
-    runs, values = study.of(method, sequence), values_of(study, method, sequence, metric)
+    runs, values = study.of(method, sequence), study.values(method, sequence, metric, value_of)
     good = [value for value in values if not math.isinf(value)]
     late = metric == "end_to_end_m" and 2 * sum(run.mark == "-" for run in runs) > len(values) - len(good)
     text = text_of(pairs.median(values), metric, "-" if late else "x")

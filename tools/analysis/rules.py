@@ -165,14 +165,16 @@ def compute_saving(report, _):
     for metric in ("ate_m", "cpu_s_per_s", "updates"):
         report.medians(report.study.methods, metric)
     lines, saved, alone = [], 0, 0
+    steady = []  # is fixed_20_history, which as_lio is while the view is stable, cheaper where it is as accurate? No rival, but told.
     for sequence in report.study.sequences:
         ours, cost = (report.median("as_lio", sequence, metric) for metric in ("ate_m", "cpu_s_per_s"))
-        # fixed_20_history is what as_lio is while the view is stable: shown, and no rival.
-        equal = [method for method in report.study.methods if method not in ("as_lio", "fixed_20_history")
-                 and (report.median(method, sequence) or math.inf) <= 1.1 * (ours or 0)
-                 and not math.isinf(report.median(method, sequence) or math.inf)]
-        cheaper = [method for method in equal if report.median(method, sequence, "cpu_s_per_s") < cost]
-        wins = ours is not None and not math.isinf(ours) and not cheaper
+        found = ours is not None and not math.isinf(ours)
+        equal = {method: report.median(method, sequence, "cpu_s_per_s") for method in report.study.methods
+                 if found and method != "as_lio" and (report.median(method, sequence) or math.inf) <= 1.1 * ours}
+        if "fixed_20_history" in equal:
+            steady.append(equal.pop("fixed_20_history") < cost)
+        cheaper = [method for method, price in equal.items() if price < cost]
+        wins = found and not cheaper
         saved += wins
         alone += wins and not equal
         lines.append([sequence, ", ".join(equal) or "none", ", ".join(cheaper) or "none", "yes" if wins else "no"])
@@ -182,21 +184,7 @@ def compute_saving(report, _):
     if alone:
         report.text(f"- on {alone} of these no rival is as accurate")
     if "fixed_20_history" in report.study.methods:
-        accurate, cheap = price_of_adapting(report)
-        report.text(f"- not judged: fixed_20_history is as accurate on {accurate} of {len(lines)} sequences, and cheaper on {cheap} of these")
-
-
-def price_of_adapting(report):
-    """(sequences on which 20 Hz throughout are at most 1.1 times the median ATE of as_lio, those of them on which they are cheaper)"""
-    accurate = cheap = 0
-    for sequence in report.study.sequences:
-        (ours, cost), (theirs, price) = ([report.median(method, sequence, metric) for metric in ("ate_m", "cpu_s_per_s")]
-                                         for method in ("as_lio", "fixed_20_history"))
-        if None in (ours, theirs) or math.isinf(theirs) or theirs > 1.1 * ours:
-            continue
-        accurate += 1
-        cheap += None not in (cost, price) and price < cost
-    return accurate, cheap
+        report.text(f"- not judged: fixed_20_history is as accurate on {len(steady)} of {len(lines)} sequences, and cheaper on {sum(steady)} of these")
 
 
 def dynamic_people(report, _):

@@ -118,17 +118,17 @@ class Study:
     def seeds(self):
         return in_order(run.seed for run in self.runs)
 
-    def by_recording(self, method, sequence, metric):
-        """{recording: {order seed: value}}, failures infinite; runs that have no such figure are left out."""
+    def by_recording(self, method, sequence, metric, value=Run.value):
+        """{recording: {order seed: value(run, metric)}}, failures infinite; runs that have no such figure are left out."""
         found = {}
         for run in self.of(method, sequence):
-            if run.value(metric) is not None:
-                found.setdefault(run.data, {})[run.order_seed] = run.value(metric)
+            if value(run, metric) is not None:
+                found.setdefault(run.data, {})[run.order_seed] = value(run, metric)
         return found
 
-    def values(self, method, sequence, metric):
+    def values(self, method, sequence, metric, value=Run.value):
         """Of all recordings, each by its median over the order seeds, which are no independent replicates."""
-        return [statistics.median(orders.values()) for orders in self.by_recording(method, sequence, metric).values()]
+        return [statistics.median(orders.values()) for orders in self.by_recording(method, sequence, metric, value).values()]
 
     def pairs(self, method, other, metric, sequence=None):
         """(value of method, value of other) over the same recording, each by its median over the order seeds that both have."""

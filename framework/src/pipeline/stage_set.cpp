@@ -35,8 +35,8 @@ void require_input(const PipelineConfig& config, const StageSet& stages, bool ha
   const std::string& estimator = config.estimator.type();
   if (stages.window && stages.window->gives_cuts() && !stages.estimator->uses_cuts()) {
     throw StageError("window", fmt::format("window: '{}' names parts of a window, and estimator '{}' makes nothing of "
-                                           "them: set window.emit to 'updates', or choose an estimator that smooths "
-                                           "over the parts (smoother)",
+                                           "them: let the window name none (imu_rate: emit: updates), or choose an "
+                                           "estimator that smooths over the parts (smoother)",
                                            config.window.type(), estimator));
   }
   if (has_samplers && stages.estimator->uses_features() && !stages.samplers.gives_features()) {

@@ -43,6 +43,29 @@ TEST_CASE("every registered sampler thins, and only ever clears bits") {
   }
 }
 
+TEST_CASE("every registered sampler classes points only if it says so") {
+  EverySampler every;
+  for (const std::string& type : every.all()) {
+    CAPTURE(type);
+    const auto sampler = every.make(type);
+    if (sampler->acts_on() == Sampler::ActsOn::raw) {
+      CHECK_FALSE(sampler->gives_features());  // there is no room for classes before de-skew
+      continue;
+    }
+    constexpr std::uint8_t untouched = 250;
+    std::size_t classed = 0;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      test::Batch batch = test::random_batch(20000, seed, 5.0f);
+      std::vector<std::uint8_t> features(batch.raw.size(), untouched);
+      SampleBatch view = batch.view();
+      view.features = features;
+      sampler->sample(view);
+      for (const std::uint8_t feature : features) classed += feature != untouched;
+    }
+    CHECK((classed > 0) == sampler->gives_features());
+  }
+}
+
 TEST_CASE("every registered sampler is deterministic and takes batches of no, one and few points") {
   EverySampler every;
   for (const std::string& type : every.all()) {

@@ -168,6 +168,7 @@ TEST_CASE("every strategy tiles any stream, each point once, however the data wa
       REQUIRE(strategy);
       const auto whole = drive(*strategy, stream, seed, 0);
       check_plans(whole, stream.all_points(), strategy->reach());
+      for (const WindowPlan& plan : whole) REQUIRE((plan.cut_count == 0 || strategy->gives_cuts()));
       for (const TimeNs largest : {7, 96, 5000}) {
         CAPTURE(largest);
         const auto packed = drive(*candidates.make(candidate), stream, seed + 100, largest);

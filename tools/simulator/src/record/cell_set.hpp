@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::simulator {
 
 /// Cells seen so far: a set of cell_key() values with open addressing.
@@ -29,7 +31,7 @@ class CellSet {
   std::size_t slot(std::uint64_t key) const {
     const std::size_t mask = slots_.size() - 1;
     // Fibonacci hashing; the upper bits are the mixed ones.
-    std::size_t at = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 20U) & mask;
+    std::size_t at = static_cast<std::size_t>((key * kGoldenRatio) >> 20U) & mask;
     while (slots_[at] != kEmpty && slots_[at] != key) at = (at + 1) & mask;
     return at;
   }
