@@ -4,17 +4,11 @@
 
 namespace aslio::plugins {
 
-void SliceQueue::add(const Cell& cell, TimeNs t) {
-  if (!open_ || t > begin_ + kLength) {
-    slices_.push_back({t, cells_.size()});
-    begin_ = t;
-    open_ = true;
-  }
-  slices_.back().t = t;
-  // A store takes repeated cells; only runs of the same are worth leaving out.
-  if (slices_.back().end_cell > begin_of(slices_.size() - dropped_ - 1) && cells_.back() == cell) return;
-  cells_.push_back(cell);
-  slices_.back().end_cell = cells_.size();
+void SliceQueue::begin(TimeNs t) {
+  slices_.push_back({t, cells_.size()});
+  slice_begin_ = cells_.size();
+  begin_ = t;
+  open_ = true;
 }
 
 std::size_t SliceQueue::begin_of(std::size_t number) const {
@@ -39,6 +33,7 @@ void SliceQueue::drop(std::size_t slices) {
   slices_.erase(slices_.begin(), slices_.begin() + static_cast<std::ptrdiff_t>(dropped_));
   dropped_ = 0;
   for (Slice& slice : slices_) slice.end_cell -= gone;
+  slice_begin_ -= std::min(slice_begin_, gone);
 }
 
 std::size_t SliceQueue::memory_bytes() const {

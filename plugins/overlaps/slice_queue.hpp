@@ -15,8 +15,19 @@ class SliceQueue {
   /// Points of at most this much time come to count together.
   static constexpr TimeNs kLength = 5 * kSecond / 1000;
 
-  /// `t` is not before that of the cell added before.
-  void add(const Cell& cell, TimeNs t);
+  /// A slice that takes `t`, which is not before any so far.
+  void reach(TimeNs t) {
+    if (!open_ || t > begin_ + kLength) begin(t);
+    slices_.back().t = t;
+  }
+  /// Of the time last reached.
+  void add(const Cell& cell) {
+    Slice& slice = slices_.back();
+    // A store takes repeated cells; only runs of the same are worth leaving out.
+    if (slice.end_cell > slice_begin_ && cells_.back() == cell) return;
+    cells_.push_back(cell);
+    slice.end_cell = cells_.size();
+  }
   /// The next cell begins a slice.
   void close() { open_ = false; }
   /// How many slices, from the oldest on, have ended by `t`.
@@ -28,16 +39,18 @@ class SliceQueue {
 
  private:
   struct Slice {
-    TimeNs t = 0;              // of its last cell
+    TimeNs t = 0;              // of its end
     std::size_t end_cell = 0;  // position in cells_
   };
+  void begin(TimeNs t);
   /// Position in cells_ where slice `number`, counted from the oldest, begins.
   std::size_t begin_of(std::size_t number) const;
 
   std::vector<Cell> cells_;
   std::vector<Slice> slices_;
-  std::size_t dropped_ = 0;  // of slices_
-  TimeNs begin_ = 0;         // of the last slice
+  std::size_t dropped_ = 0;      // of slices_
+  TimeNs begin_ = 0;             // of the last slice
+  std::size_t slice_begin_ = 0;  // position in cells_ of the last slice
   bool open_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "aslio/core/spread.hpp"
+#include "overlaps/cell_of.hpp"
 
 namespace aslio::plugins {
 
@@ -42,21 +43,26 @@ VoxelOverlap::VoxelOverlap(const Params& params, LayerMetric metric, std::vector
       occupied_(params.store.make(context)),
       due_(params.store.make(context)) {}
 
-void VoxelOverlap::count_cells(std::span<const WorldPoint> points, TimeNs t) {
+void VoxelOverlap::choose(std::span<const WorldPoint> points, TimeNs t) {
   older_.clear();
   for (const KnownPoint& known : known_) {
     if (known.t > t - frame_length_) older_.push_back(known.cell);
   }
   const std::size_t n = older_.size() + points.size();
   const std::size_t taken = max_points_ == 0 ? n : std::min(n, max_points_);
-  histogram_.reset(taken);
+  scored_.clear();
+  point_of_.clear();
+  next_scored_ = 0;
   for (std::size_t i = 0; i < taken; ++i) {
     const std::size_t index = one_of_run(i, taken, n, order_seed_);
     Cell cell;
     if (index < older_.size()) {
-      histogram_.add(older_[index]);
-    } else if (CellHistogram::cell_of(points[index - older_.size()].p_W, inverse_voxel_, cell)) {
-      histogram_.add(cell);
+      scored_.push_back(older_[index]);
+      ++next_scored_;
+      point_of_.push_back(0);
+    } else if (cell_of(points[index - older_.size()].p_W, inverse_voxel_, cell)) {
+      scored_.push_back(cell);
+      point_of_.push_back(index - older_.size());
     }
   }
 }
@@ -66,7 +72,7 @@ void VoxelOverlap::remember(std::span<const WorldPoint> points, TimeNs t) {
   std::erase_if(known_, [&](const KnownPoint& known) { return known.t <= t - frame_length_; });
   for (const WorldPoint& point : points) {
     Cell cell;
-    if (CellHistogram::cell_of(point.p_W, inverse_voxel_, cell)) known_.push_back({point.t, cell});
+    if (cell_of(point.p_W, inverse_voxel_, cell)) known_.push_back({point.t, cell});
   }
 }
 
@@ -87,21 +93,20 @@ void VoxelOverlap::gather_due(std::size_t slices) {
 }
 
 void VoxelOverlap::find_layers() {
-  const auto cells = histogram_.cells();
-  if (layers_.capacity() < cells.size()) {
+  if (layers_.capacity() < scored_.size()) {
     // Twice, and all at once: which cells are unseen, and how many, changes from frame to frame.
-    for (auto* list : {&layers_, &due_layers_}) list->reserve(2 * cells.size());
-    unseen_.reserve(2 * cells.size());
-    unseen_index_.reserve(2 * cells.size());
+    for (auto* list : {&layers_, &due_layers_}) list->reserve(2 * scored_.size());
+    unseen_.reserve(2 * scored_.size());
+    unseen_index_.reserve(2 * scored_.size());
   }
-  layers_.resize(cells.size());
-  occupied_->layers(cells, depth(), metric_, layers_);
+  layers_.resize(scored_.size());
+  occupied_->layers(scored_, depth(), metric_, layers_);
   if (due_->size() == 0) return;
   unseen_.clear();
   unseen_index_.clear();
-  for (std::size_t i = 0; i < cells.size(); ++i) {
+  for (std::size_t i = 0; i < scored_.size(); ++i) {
     if (layers_[i] == 0) continue;
-    unseen_.push_back(cells[i]);
+    unseen_.push_back(scored_[i]);
     unseen_index_.push_back(i);
   }
   due_layers_.resize(unseen_.size());
@@ -115,12 +120,13 @@ void VoxelOverlap::find_layers() {
 OverlapScore VoxelOverlap::evaluate(std::span<const WorldPoint> points, TimeNs t) {
   gather_due(waiting_.ended(horizon(t)));
   OverlapScore score;
-  count_cells(points, t);
-  for (const std::uint32_t count : histogram_.counts()) score.points += count;
+  choose(points, t);
+  score.points = static_cast<std::uint32_t>(scored_.size());
+  layers_.clear();
   if (occupied_->size() + due_->size() == 0) return score;
   find_layers();
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    if (layers_[i] <= depth()) score.layers[layers_[i]] += histogram_.counts()[i];
+  for (const std::uint8_t layer : layers_) {
+    if (layer <= depth()) ++score.layers[layer];
   }
   if (score.points == 0 || score.points < min_points_) return score;
   double sum = 0;
@@ -136,13 +142,22 @@ void VoxelOverlap::advance(TimeNs t) {
   merged_ += slices;
 }
 
+/// Was the point among those scored, and its cell occupied or due? Then it counts from earlier on. Asked in order.
+inline bool VoxelOverlap::was_known(std::size_t point, const Cell& cell) {
+  while (next_scored_ < layers_.size() && point_of_[next_scored_] < point) ++next_scored_;
+  return next_scored_ < layers_.size() && point_of_[next_scored_] == point && layers_[next_scored_] == 0 &&
+         scored_[next_scored_] == cell;
+}
+
 void VoxelOverlap::extend(std::span<const WorldPoint> points, TimeNs t) {
   remember(points, t);
   TimeNs time = std::min(extended_, t);
-  for (const WorldPoint& point : points) {
-    time = std::clamp(point.t, time, t);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    time = std::clamp(points[i].t, time, t);
     Cell cell;
-    if (CellHistogram::cell_of(point.p_W, inverse_voxel_, cell)) waiting_.add(cell, time);
+    if (!cell_of(points[i].p_W, inverse_voxel_, cell)) continue;
+    waiting_.reach(time);
+    if (!was_known(i, cell)) waiting_.add(cell);
   }
   waiting_.close();
   extended_ = t;
@@ -157,6 +172,7 @@ void VoxelOverlap::clear() {
   occupied_->clear();
   due_->clear();
   known_.clear();
+  layers_.clear();
   trimmed_radius_ = -1;
 }
 
@@ -166,7 +182,7 @@ void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
   trimmed_at_ = centre_W;
   trimmed_radius_ = radius;
   const auto clamped = [&](double c) {
-    constexpr double limit = 1 << 20;
+    constexpr double limit = kCellRange;
     return static_cast<std::int32_t>(std::clamp(std::floor(c * inverse_voxel_), -limit, limit));
   };
   const Vec3 lo = centre_W.array() - radius, hi = centre_W.array() + radius;
@@ -175,11 +191,10 @@ void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
 }
 
 std::size_t VoxelOverlap::memory_bytes() const {
-  std::size_t bytes = sizeof(*this) + occupied_->memory_bytes() + due_->memory_bytes() + waiting_.memory_bytes() +
-                      histogram_.memory_bytes();
+  std::size_t bytes = sizeof(*this) + occupied_->memory_bytes() + due_->memory_bytes() + waiting_.memory_bytes();
   bytes += known_.capacity() * sizeof(KnownPoint) + older_.capacity() * sizeof(Cell);
-  bytes += layers_.capacity() + due_layers_.capacity() + unseen_.capacity() * sizeof(Cell);
-  return bytes + unseen_index_.capacity() * sizeof(std::size_t);
+  bytes += layers_.capacity() + due_layers_.capacity() + (scored_.capacity() + unseen_.capacity()) * sizeof(Cell);
+  return bytes + (point_of_.capacity() + unseen_index_.capacity()) * sizeof(std::size_t);
 }
 
 }  // namespace aslio::plugins

@@ -5,7 +5,6 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/overlap.hpp"
-#include "overlaps/cell_histogram.hpp"
 #include "overlaps/slice_queue.hpp"
 
 namespace aslio::plugins {
@@ -17,7 +16,7 @@ namespace aslio::plugins {
 /// the age of the occupancy jump with the length of frames, and with it the score. Points wait in slices of 5 ms;
 /// advance() and extend() move into the store those that are due at their time, since no later evaluation is earlier.
 /// evaluate() never moves any: it may be a look-ahead whose time the next window does not reach. Slices due only at its
-/// time are scored through a second, small store.
+/// time are scored through a second, small store. What an evaluation found occupied, extend() need not learn again.
 class VoxelOverlap : public OverlapMetric {
  public:
   /// Which points a frame is made of.
@@ -50,7 +49,8 @@ class VoxelOverlap : public OverlapMetric {
     Cell cell;
   };
   int depth() const { return static_cast<int>(beta_.size()) - 1; }
-  void count_cells(std::span<const WorldPoint> points, TimeNs t);
+  void choose(std::span<const WorldPoint> points, TimeNs t);
+  bool was_known(std::size_t point, const Cell& cell);
   void remember(std::span<const WorldPoint> points, TimeNs t);
   TimeNs horizon(TimeNs t) const;
   void gather_due(std::size_t slices);
@@ -71,8 +71,13 @@ class VoxelOverlap : public OverlapMetric {
   std::uint64_t due_begin_ = 0, due_end_ = 0;  // slices that `due_` holds, by count
   std::vector<KnownPoint> known_;              // of the last frame_length_
   std::vector<Cell> older_;                    // those of an evaluation
-  CellHistogram histogram_;
-  std::vector<std::uint8_t> layers_, due_layers_;
+  // What the last evaluation scored, in order: cells, their layers, and for those past `older_` the number of the
+  // point.
+  std::vector<Cell> scored_;
+  std::vector<std::uint8_t> layers_;
+  std::vector<std::size_t> point_of_;
+  std::size_t next_scored_ = 0;  // by extend()
+  std::vector<std::uint8_t> due_layers_;
   std::vector<Cell> unseen_;
   std::vector<std::size_t> unseen_index_;
   Vec3 trimmed_at_ = Vec3::Zero();

@@ -33,6 +33,24 @@ Cell corner_of(std::uint64_t key) {
   return {axis(42), axis(21), axis(0)};
 }
 
+Cell lowest_around(const Cell& cell) {
+  return {cell.x - kSurroundings, cell.y - kSurroundings, cell.z - kSurroundings};
+}
+
+/// visit(x, y, z, key) for the bricks in which the surroundings that begin at `lowest` lie.
+template <typename Visit>
+void for_corners(const Cell& lowest, const Visit& visit) {
+  const std::uint64_t key = key_of(lowest);
+  for (int x = 0; x <= (straddles(lowest.x) ? 1 : 0); ++x) {
+    for (int y = 0; y <= (straddles(lowest.y) ? 1 : 0); ++y) {
+      for (int z = 0; z <= (straddles(lowest.z) ? 1 : 0); ++z) {
+        visit(static_cast<std::size_t>(x), static_cast<std::size_t>(y), static_cast<std::size_t>(z),
+              key + step(x, y, z));
+      }
+    }
+  }
+}
+
 unsigned log2_of(std::size_t power) { return static_cast<unsigned>(std::countr_zero(power)); }
 
 /// Bits 8 y + z of the rows y in [y0, y1] and z in [z0, z1], relative to a brick and clipped to it.
@@ -135,6 +153,7 @@ void BlockHash::insert(std::span<const Cell> cells) {
     for (std::size_t i = 0; i < count; ++i) {
       bricks[i] = i > 0 && keys[i] == keys[i - 1] ? bricks[i - 1] : find_or_add(keys[i]);
       __builtin_prefetch(&bricks_[bricks[i]]);
+      __builtin_prefetch(&labels_[bricks[i]]);
     }
     for (std::size_t i = 0; i < count; ++i) set(bricks[i], cells[i], keys[i]);
   }
@@ -172,17 +191,10 @@ const Brick* BlockHash::planes_of(std::uint64_t key) {
 }
 
 int BlockHash::layer_alone(const Cell& cell) const {
-  const Cell lowest{cell.x - kSurroundings, cell.y - kSurroundings, cell.z - kSurroundings};
-  const std::uint64_t key = key_of(lowest);
+  const Cell lowest = lowest_around(cell);
   Corners bricks{};
-  for (int x = 0; x <= (straddles(lowest.x) ? 1 : 0); ++x) {
-    for (int y = 0; y <= (straddles(lowest.y) ? 1 : 0); ++y) {
-      for (int z = 0; z <= (straddles(lowest.z) ? 1 : 0); ++z) {
-        bricks[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)][static_cast<std::size_t>(z)] =
-            find(key + step(x, y, z));
-      }
-    }
-  }
+  for_corners(lowest,
+              [&](std::size_t x, std::size_t y, std::size_t z, std::uint64_t key) { bricks[x][y][z] = find(key); });
   return layer_within(surroundings(bricks, lowest), depth_, metric_);
 }
 
@@ -194,29 +206,40 @@ void BlockHash::layers(std::span<const Cell> cells, int depth, LayerMetric metri
     forget_planes();
   }
   ++queries_;
-  std::uint64_t last = kNone;
-  const Brick* own = nullptr;
-  const Brick* planes = nullptr;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::uint64_t key = key_of(cells[i]);
-    if (key != last) {
-      own = find(key);
-      planes = nullptr;
+  std::array<std::uint64_t, kBatch> keys{};
+  std::array<const Brick*, kBatch> bricks{};
+  for (; !cells.empty(); cells = cells.subspan(std::min(kBatch, cells.size()))) {
+    const std::size_t count = std::min(kBatch, cells.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      keys[i] = key_of(cells[i]);
+      __builtin_prefetch(&slots_[first_slot(keys[i])]);
     }
-    last = key;
-    if (own->has(cells[i])) {  // most cells, and no reason to dilate
-      out[i] = 0;
-      continue;
+    for (std::size_t i = 0; i < count; ++i) {
+      bricks[i] = i > 0 && keys[i] == keys[i - 1] ? bricks[i - 1] : find(keys[i]);
+      __builtin_prefetch(bricks[i]);
     }
-    if (depth > 0 && !planes) planes = planes_of(key);
-    if (depth > 0 && !planes) {
-      out[i] = static_cast<std::uint8_t>(layer_alone(cells[i]));
-      continue;
+    // Most cells are occupied, and no reason to look around or to dilate.
+    for (std::size_t i = 0; i < count; ++i) {
+      out[i] = bricks[i]->has(cells[i]) ? 0 : 1;
+      if (out[i] == 0) continue;
+      for_corners(lowest_around(cells[i]), [&](std::size_t, std::size_t, std::size_t, std::uint64_t key) {
+        __builtin_prefetch(&slots_[first_slot(key)]);
+      });
     }
-    int beyond = 1;  // planes without the cell; each contains the one before
-    for (int layer = 1; layer <= depth; ++layer) beyond += planes[layer - 1].has(cells[i]) ? 0 : 1;
-    out[i] = static_cast<std::uint8_t>(beyond);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (out[i] != 0) out[i] = layer_of_unoccupied(cells[i], keys[i]);
+    }
+    out = out.subspan(count);
   }
+}
+
+std::uint8_t BlockHash::layer_of_unoccupied(const Cell& cell, std::uint64_t key) {
+  if (depth_ == 0) return 1;
+  const Brick* planes = planes_of(key);
+  if (!planes) return static_cast<std::uint8_t>(layer_alone(cell));
+  int beyond = 1;  // planes without the cell; each contains the one before
+  for (int layer = 1; layer <= depth_; ++layer) beyond += planes[layer - 1].has(cell) ? 0 : 1;
+  return static_cast<std::uint8_t>(beyond);
 }
 
 void BlockHash::keep_inside(const Cell& lo, const Cell& hi) {

@@ -58,6 +58,7 @@ class BlockHash final : public OccupancyStore {
   void announce_change(std::uint64_t key);
   std::size_t line_of(std::uint64_t key) const;
   const Brick* planes_of(std::uint64_t key);
+  std::uint8_t layer_of_unoccupied(const Cell& cell, std::uint64_t key);
   int layer_alone(const Cell& cell) const;
   void forget_planes();
 

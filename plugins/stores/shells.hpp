@@ -10,16 +10,6 @@
 
 namespace aslio::plugins {
 
-/// Cells per axis are within +-kCellRange.
-inline constexpr std::int32_t kCellRange = 1 << 20;
-
-/// 3 x 21 bits; differences of keys are differences of cells, as long as no axis leaves its range.
-/// Pre: -kCellRange <= c < kCellRange per axis.
-constexpr std::uint64_t pack_cell(std::int32_t x, std::int32_t y, std::int32_t z) {
-  return static_cast<std::uint64_t>(x + kCellRange) << 42 | static_cast<std::uint64_t>(y + kCellRange) << 21 |
-         static_cast<std::uint64_t>(z + kCellRange);
-}
-
 /// Distance of a cell offset in units of `metric`; euclid_rounded is to the nearest integer.
 int layer_of(int dx, int dy, int dz, LayerMetric metric);
 

@@ -15,7 +15,7 @@
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/plugin/registry.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "overlaps/cell_histogram.hpp"
+#include "overlaps/cell_of.hpp"
 #include "register_all.hpp"
 
 namespace {
@@ -89,7 +89,7 @@ Cost bench_store(OccupancyStore& store, double voxel, int depth) {
     std::vector<Cell> cells;
     for (const WorldPoint& point : sweep(engine, 1.0 * frame)) {
       Cell cell;
-      if (plugins::CellHistogram::cell_of(point.p_W, 1.0 / voxel, cell)) cells.push_back(cell);
+      if (plugins::cell_of(point.p_W, 1.0 / voxel, cell)) cells.push_back(cell);
     }
     std::vector<std::uint8_t> layers(cells.size());
     const double query = seconds([&] { store.layers(cells, depth, LayerMetric::chebyshev, layers); });

@@ -102,6 +102,36 @@ TEST_CASE("every overlap metric: evaluating changes nothing, also when it looks 
   });
 }
 
+TEST_CASE("every overlap metric: what it was asked makes no difference to what it learns") {
+  for_every_metric([](auto make) {
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+      CAPTURE(seed);
+      const auto asked = make(), silent = make();
+      TimeNs t = 0;
+      const int steps = 10 + static_cast<int>(seed % 7);
+      for (int step = 0; step < steps; ++step) {
+        auto frame = cloud(400, 0.4, 1000 * seed + static_cast<std::uint64_t>(step));
+        for (std::size_t i = 0; i < frame.size(); ++i) frame[i].t = t + static_cast<TimeNs>(i) * kSecond / 8000;
+        t += kSecond / 20;
+        asked->evaluate(frame, step % 4 == 3 ? t + kSecond / 10 : t);
+        if (step % 3 == 1) {  // another frame is learnt than the one that was scored, in part
+          for (std::size_t i = 0; i < frame.size(); i += 2) frame[i].p_W.x() += 0.3;
+        }
+        for (const auto& metric : {asked.get(), silent.get()}) {
+          if (step == 8) metric->trim(Vec3(0.4, 0.4, 0.4), 0.6);
+          if (step == 10 && seed % 2 == 0) metric->clear();
+          metric->extend(frame, t);
+        }
+      }
+      auto probe = cloud(2000, 0.25, seed);
+      for (auto& point : probe) point.p_W += Vec3(0.35, 0.35, 0.35);  // where trimming forgets nothing
+      for (TimeNs ahead = 0; ahead < kSecond / 2; ahead += kSecond / 100) {
+        require_same(asked->evaluate(probe, t + ahead), silent->evaluate(probe, t + ahead));
+      }
+    }
+  });
+}
+
 TEST_CASE("every overlap metric: announcing that time has advanced changes no score") {
   for_every_metric([](auto make) {
     const auto plain = make(), told = make();
