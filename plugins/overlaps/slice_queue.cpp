@@ -6,7 +6,6 @@ namespace aslio::plugins {
 
 void SliceQueue::begin(TimeNs t) {
   slices_.push_back({t, cells_.size()});
-  slice_begin_ = cells_.size();
   begin_ = t;
   open_ = true;
 }
@@ -33,7 +32,6 @@ void SliceQueue::drop(std::size_t slices) {
   slices_.erase(slices_.begin(), slices_.begin() + static_cast<std::ptrdiff_t>(dropped_));
   dropped_ = 0;
   for (Slice& slice : slices_) slice.end_cell -= gone;
-  slice_begin_ -= std::min(slice_begin_, gone);
 }
 
 std::size_t SliceQueue::memory_bytes() const {

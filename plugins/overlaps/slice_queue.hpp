@@ -22,11 +22,8 @@ class SliceQueue {
   }
   /// Of the time last reached.
   void add(const Cell& cell) {
-    Slice& slice = slices_.back();
-    // A store takes repeated cells; only runs of the same are worth leaving out.
-    if (slice.end_cell > slice_begin_ && cells_.back() == cell) return;
     cells_.push_back(cell);
-    slice.end_cell = cells_.size();
+    slices_.back().end_cell = cells_.size();
   }
   /// The next cell begins a slice.
   void close() { open_ = false; }
@@ -48,9 +45,8 @@ class SliceQueue {
 
   std::vector<Cell> cells_;
   std::vector<Slice> slices_;
-  std::size_t dropped_ = 0;      // of slices_
-  TimeNs begin_ = 0;             // of the last slice
-  std::size_t slice_begin_ = 0;  // position in cells_ of the last slice
+  std::size_t dropped_ = 0;  // of slices_
+  TimeNs begin_ = 0;         // of the last slice
   bool open_ = false;
 };
 

@@ -1,6 +1,7 @@
 #include "overlaps/voxel_overlap.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +14,22 @@ namespace {
 
 /// The store is trimmed each time the sensor has moved by this share of the radius.
 constexpr double kTrimStep = 0.1;
+
+/// Most of the cells that a beam has met lately: it meets them again within a few points, on this scan line or the
+/// next.
+class Lately {
+ public:
+  Lately() { keys_.fill(~std::uint64_t{0}); }  // no cell: keys have 63 bits
+  /// Was it met already? False also for some that were.
+  bool meet(const Cell& cell) {
+    const std::uint64_t key = pack_cell(cell.x, cell.y, cell.z);
+    return std::exchange(keys_[static_cast<std::size_t>(key * kGoldenRatio >> (64 - kBits))], key) == key;
+  }
+
+ private:
+  static constexpr unsigned kBits = 8;
+  std::array<std::uint64_t, std::size_t{1} << kBits> keys_;
+};
 
 }  // namespace
 
@@ -53,8 +70,9 @@ void VoxelOverlap::choose(std::span<const WorldPoint> points, TimeNs t) {
   scored_.clear();
   point_of_.clear();
   next_scored_ = 0;
+  OneOfEachRun choice(taken, n, order_seed_);
   for (std::size_t i = 0; i < taken; ++i) {
-    const std::size_t index = one_of_run(i, taken, n, order_seed_);
+    const std::size_t index = choice.next();
     Cell cell;
     if (index < older_.size()) {
       scored_.push_back(older_[index]);
@@ -152,12 +170,14 @@ inline bool VoxelOverlap::was_known(std::size_t point, const Cell& cell) {
 void VoxelOverlap::extend(std::span<const WorldPoint> points, TimeNs t) {
   remember(points, t);
   TimeNs time = std::min(extended_, t);
+  Lately lately;
   for (std::size_t i = 0; i < points.size(); ++i) {
     time = std::clamp(points[i].t, time, t);
     Cell cell;
     if (!cell_of(points[i].p_W, inverse_voxel_, cell)) continue;
     waiting_.reach(time);
-    if (!was_known(i, cell)) waiting_.add(cell);
+    const bool again = lately.meet(cell), known = was_known(i, cell);
+    if (!again && !known) waiting_.add(cell);
   }
   waiting_.close();
   extended_ = t;

@@ -20,8 +20,9 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   const auto raw = stream_.points(from.t, t);
   const std::size_t taken = std::min(raw.size(), kMostPoints);
   const double span = to_seconds(t - from.t);
+  OneOfEachRun choice(taken, raw.size(), 0);
   for (std::size_t k = 0; k < taken; ++k) {
-    const std::size_t i = one_of_run(k, taken, raw.size(), 0);
+    const std::size_t i = choice.next();
     const TimedPoint& p = raw[i];
     const Vec3 p_L(p.x, p.y, p.z);
     const double range = p_L.norm();

@@ -17,12 +17,28 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31U);
 }
 
-/// Index of the item that stands for run k of `taken` equal runs of `n` items. Which of the run varies: a fixed stride
-/// would fall into step with scan lines, which interleave (a stride of 6 on a six-line sensor sees one line).
-/// Pre: k < taken <= n.
-constexpr std::size_t one_of_run(std::size_t k, std::size_t taken, std::size_t n, std::uint64_t seed) {
-  const std::size_t begin = k * n / taken, length = (k + 1) * n / taken - begin;
-  return length == 1 ? begin : begin + mixed(seed + k) % length;
-}
+/// One item of each of `taken` equal runs of `n` items: run k is [k n / taken, (k + 1) n / taken). Which of the run
+/// varies with `seed`: a fixed stride would fall into step with scan lines, which interleave (a stride of 6 on a
+/// six-line sensor sees one line). Pre: taken <= n.
+class OneOfEachRun {
+ public:
+  constexpr OneOfEachRun(std::size_t taken, std::size_t n, std::uint64_t seed)
+      : taken_(taken), length_(taken == 0 ? 0 : n / taken), rest_(taken == 0 ? 0 : n % taken), seed_(seed) {}
+  /// Index of the item that stands for the next run. At most `taken` calls.
+  constexpr std::size_t next() {
+    // What is over after whole lengths, in parts of `taken`: no division per run.
+    over_ += rest_;
+    const bool longer = over_ >= taken_;
+    if (longer) over_ -= taken_;
+    const std::size_t begin = begin_, length = length_ + (longer ? 1 : 0);
+    begin_ += length;
+    const std::uint64_t k = run_++;
+    return length == 1 ? begin : begin + mixed(seed_ + k) % length;
+  }
+
+ private:
+  std::size_t taken_, length_, rest_, over_ = 0, begin_ = 0;
+  std::uint64_t seed_, run_ = 0;
+};
 
 }  // namespace aslio
