@@ -34,6 +34,22 @@ void SliceQueue::drop(std::size_t slices) {
   for (Slice& slice : slices_) slice.end_cell -= gone;
 }
 
+void SliceQueue::keep_inside(const Cell& lo, const Cell& hi) {
+  std::size_t next = begin_of(0), kept = 0;
+  slices_.erase(slices_.begin(), slices_.begin() + static_cast<std::ptrdiff_t>(dropped_));
+  dropped_ = 0;
+  for (Slice& slice : slices_) {
+    for (; next < slice.end_cell; ++next) {
+      const Cell& cell = cells_[next];
+      const bool inside =
+          cell.x >= lo.x && cell.x <= hi.x && cell.y >= lo.y && cell.y <= hi.y && cell.z >= lo.z && cell.z <= hi.z;
+      if (inside) cells_[kept++] = cell;
+    }
+    slice.end_cell = kept;
+  }
+  cells_.resize(kept);
+}
+
 std::size_t SliceQueue::memory_bytes() const {
   return cells_.capacity() * sizeof(Cell) + slices_.capacity() * sizeof(Slice);
 }

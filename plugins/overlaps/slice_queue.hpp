@@ -15,23 +15,25 @@ class SliceQueue {
   /// Points of at most this much time come to count together.
   static constexpr TimeNs kLength = 5 * kSecond / 1000;
 
-  /// A slice that takes `t`, which is not before any so far.
+  /// Goes on to time `t`, which is not before any so far: a slice is open then that takes it.
   void reach(TimeNs t) {
     if (!open_ || t > begin_ + kLength) begin(t);
     slices_.back().t = t;
   }
-  /// Of the time last reached.
+  /// A cell of the time last reached. Pre: reach() since the last close().
   void add(const Cell& cell) {
     cells_.push_back(cell);
     slices_.back().end_cell = cells_.size();
   }
-  /// The next cell begins a slice.
+  /// What is reached next begins a slice.
   void close() { open_ = false; }
   /// How many slices, from the oldest on, have ended by `t`.
   std::size_t ended(TimeNs t) const;
   /// The cells of slices [begin, end), counted from the oldest.
   std::span<const Cell> cells(std::size_t begin, std::size_t end) const;
   void drop(std::size_t slices);
+  /// Drops cells outside the axis-aligned cube [lo, hi]; the slices stay.
+  void keep_inside(const Cell& lo, const Cell& hi);
   std::size_t memory_bytes() const;
 
  private:

@@ -15,13 +15,12 @@ namespace {
 /// The store is trimmed each time the sensor has moved by this share of the radius.
 constexpr double kTrimStep = 0.1;
 
-/// Most of the cells that a beam has met lately: it meets them again within a few points, on this scan line or the
-/// next.
-class Lately {
+/// Most of the cells met lately: a beam meets its cells again within a few points, on this scan line or the next.
+class RecentCells {
  public:
-  Lately() { keys_.fill(~std::uint64_t{0}); }  // no cell: keys have 63 bits
-  /// Was it met already? False also for some that were.
-  bool meet(const Cell& cell) {
+  RecentCells() { keys_.fill(~std::uint64_t{0}); }  // no cell: keys have 63 bits
+  /// Was the cell met already? Never true for one that was not, false for some that were. Notes it.
+  bool repeats(const Cell& cell) {
     const std::uint64_t key = pack_cell(cell.x, cell.y, cell.z);
     return std::exchange(keys_[static_cast<std::size_t>(key * kGoldenRatio >> (64 - kBits))], key) == key;
   }
@@ -103,8 +102,7 @@ TimeNs VoxelOverlap::horizon(TimeNs t) const {
 void VoxelOverlap::gather_due(std::size_t slices) {
   const std::uint64_t end = merged_ + slices;
   if (due_begin_ != merged_ || due_end_ > end) {
-    due_->clear();
-    due_begin_ = due_end_ = merged_;
+    forget_due();
   }
   due_->insert(waiting_.cells(static_cast<std::size_t>(due_end_ - merged_), slices));
   due_end_ = end;
@@ -160,23 +158,16 @@ void VoxelOverlap::advance(TimeNs t) {
   merged_ += slices;
 }
 
-/// Was the point among those scored, and its cell occupied or due? Then it counts from earlier on. Asked in order.
-inline bool VoxelOverlap::was_known(std::size_t point, const Cell& cell) {
-  while (next_scored_ < layers_.size() && point_of_[next_scored_] < point) ++next_scored_;
-  return next_scored_ < layers_.size() && point_of_[next_scored_] == point && layers_[next_scored_] == 0 &&
-         scored_[next_scored_] == cell;
-}
-
 void VoxelOverlap::extend(std::span<const WorldPoint> points, TimeNs t) {
   remember(points, t);
   TimeNs time = std::min(extended_, t);
-  Lately lately;
+  RecentCells recent;
   for (std::size_t i = 0; i < points.size(); ++i) {
     time = std::clamp(points[i].t, time, t);
     Cell cell;
     if (!cell_of(points[i].p_W, inverse_voxel_, cell)) continue;
     waiting_.reach(time);
-    const bool again = lately.meet(cell), known = was_known(i, cell);
+    const bool again = recent.repeats(cell), known = found_occupied(i, cell);
     if (!again && !known) waiting_.add(cell);
   }
   waiting_.close();
@@ -188,9 +179,8 @@ void VoxelOverlap::clear() {
   const std::size_t slices = waiting_.ended(kTimeMax);
   waiting_.drop(slices);
   merged_ += slices;
-  due_begin_ = due_end_ = merged_;
   occupied_->clear();
-  due_->clear();
+  forget_due();
   known_.clear();
   layers_.clear();
   trimmed_radius_ = -1;
@@ -205,9 +195,19 @@ void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
     constexpr double limit = kCellRange;
     return static_cast<std::int32_t>(std::clamp(std::floor(c * inverse_voxel_), -limit, limit));
   };
-  const Vec3 lo = centre_W.array() - radius, hi = centre_W.array() + radius;
-  occupied_->keep_inside({clamped(lo.x()), clamped(lo.y()), clamped(lo.z())},
-                         {clamped(hi.x()), clamped(hi.y()), clamped(hi.z())});
+  const Vec3 low = centre_W.array() - radius, high = centre_W.array() + radius;
+  const Cell lo{clamped(low.x()), clamped(low.y()), clamped(low.z())};
+  const Cell hi{clamped(high.x()), clamped(high.y()), clamped(high.z())};
+  occupied_->keep_inside(lo, hi);
+  // What waits, too: else a cell would be known again if it was learnt twice, and not if once.
+  waiting_.keep_inside(lo, hi);
+  forget_due();
+  layers_.clear();
+}
+
+void VoxelOverlap::forget_due() {
+  due_->clear();
+  due_begin_ = due_end_ = merged_;
 }
 
 std::size_t VoxelOverlap::memory_bytes() const {

@@ -50,10 +50,17 @@ class VoxelOverlap : public OverlapMetric {
   };
   int depth() const { return static_cast<int>(beta_.size()) - 1; }
   void choose(std::span<const WorldPoint> points, TimeNs t);
-  bool was_known(std::size_t point, const Cell& cell);
+  /// Did the last evaluation score the point, and find its cell occupied or due? Then it counts from earlier on. To be
+  /// asked in order of points, once per evaluation.
+  bool found_occupied(std::size_t point, const Cell& cell) {
+    while (next_scored_ < layers_.size() && point_of_[next_scored_] < point) ++next_scored_;
+    return next_scored_ < layers_.size() && point_of_[next_scored_] == point && layers_[next_scored_] == 0 &&
+           scored_[next_scored_] == cell;
+  }
   void remember(std::span<const WorldPoint> points, TimeNs t);
   TimeNs horizon(TimeNs t) const;
   void gather_due(std::size_t slices);
+  void forget_due();
   void find_layers();
 
   double inverse_voxel_;

@@ -221,7 +221,7 @@ void BlockHash::layers(std::span<const Cell> cells, int depth, LayerMetric metri
     // Most cells are occupied, and no reason to look around or to dilate.
     for (std::size_t i = 0; i < count; ++i) {
       out[i] = bricks[i]->has(cells[i]) ? 0 : 1;
-      if (out[i] == 0) continue;
+      if (out[i] == 0 || depth == 0 || depth > kSurroundings) continue;
       for_corners(lowest_around(cells[i]), [&](std::size_t, std::size_t, std::size_t, std::uint64_t key) {
         __builtin_prefetch(&slots_[first_slot(key)]);
       });

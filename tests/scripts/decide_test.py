@@ -208,6 +208,12 @@ class Verdicts(StudyCase):
         _, out = self.decide()
         self.assertIn("as_lio saves on 9 of 9 sequences (needs 6 of 9): **holds**\n\n- on 9 of these no rival is as accurate", out)
         self.assertIn("- not judged: fixed_20_history is as accurate on 0 of 9 sequences", out)
+        self.study("compute_saving", [(s, 1, m, v) for s in NINE for m, v in
+                                      (("as_lio", (math.inf, 0.02, 100)), ("gyro_15", (0.2, 0.01, 200)))],
+                   figures=("ate_m", "cpu_s_per_s", "updates"))
+        _, out = self.decide()
+        self.assertIn("| indoor_1 | as_lio is lost | none | no |", out)
+        self.assertIn("as_lio saves on 0 of 9 sequences (needs 6 of 9): **does not hold**", out)
 
     def test_a_study_without_a_rule_gets_its_figures(self):
         self.study("my_own", [("a", 1, "first", 0.2), ("a", 1, "second", 0.1)])

@@ -81,7 +81,7 @@ void print(const std::string& name, const Cost& cost) {
   std::cout << '\n';
 }
 
-/// The store alone: every point of a frame is asked and inserted, with no de-duplication before it.
+/// The store alone: every point of a frame is asked and inserted.
 Cost bench_store(OccupancyStore& store, double voxel, int depth) {
   std::mt19937_64 engine(1);
   Cost cost;

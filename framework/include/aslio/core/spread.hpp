@@ -23,13 +23,13 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
 class OneOfEachRun {
  public:
   constexpr OneOfEachRun(std::size_t taken, std::size_t n, std::uint64_t seed)
-      : taken_(taken), length_(taken == 0 ? 0 : n / taken), rest_(taken == 0 ? 0 : n % taken), seed_(seed) {}
+      : taken_(taken), length_(taken == 0 ? 0 : n / taken), step_(taken == 0 ? 0 : n % taken), seed_(seed) {}
   /// Index of the item that stands for the next run. At most `taken` calls.
   constexpr std::size_t next() {
-    // What is over after whole lengths, in parts of `taken`: no division per run.
-    over_ += rest_;
-    const bool longer = over_ >= taken_;
-    if (longer) over_ -= taken_;
+    // Of k n / taken, in parts of `taken`: no division per run.
+    remainder_ += step_;
+    const bool longer = remainder_ >= taken_;
+    if (longer) remainder_ -= taken_;
     const std::size_t begin = begin_, length = length_ + (longer ? 1 : 0);
     begin_ += length;
     const std::uint64_t k = run_++;
@@ -37,7 +37,7 @@ class OneOfEachRun {
   }
 
  private:
-  std::size_t taken_, length_, rest_, over_ = 0, begin_ = 0;
+  std::size_t taken_, length_, step_, remainder_ = 0, begin_ = 0;
   std::uint64_t seed_, run_ = 0;
 };
 

@@ -39,7 +39,7 @@ struct Cell {
   friend bool operator==(const Cell&, const Cell&) = default;
 };
 
-/// Cells per axis are within +-kCellRange.
+/// Per axis a cell is in [-kCellRange, kCellRange).
 inline constexpr std::int32_t kCellRange = 1 << 20;
 
 /// 3 x 21 bits; differences of keys are differences of cells, as long as no axis leaves its range.
@@ -52,7 +52,7 @@ constexpr std::uint64_t pack_cell(std::int32_t x, std::int32_t y, std::int32_t z
 /// Distance between cells in voxel units that defines a layer.
 enum class LayerMetric : std::uint8_t { chebyshev, manhattan, euclid_rounded };
 
-/// Occupied cells of an overlap metric. All stores give identical layers. Cells beyond kCellRange are refused by
+/// Occupied cells of an overlap metric. All stores give identical layers. Cells outside kCellRange are refused by
 /// the caller. layers(): smallest distance (metric units, 0..depth) from cells[i] to an occupied cell, or depth + 1 if
 /// none is within depth. Not thread-safe for writing; layers() may be called concurrently unless stated otherwise.
 class OccupancyStore : public Stage {
