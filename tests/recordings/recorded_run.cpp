@@ -3,7 +3,9 @@
 #include <spdlog/sinks/null_sink.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <sstream>
 
 #include "aslio/core/sha256.hpp"
 #include "aslio/io/writers.hpp"
@@ -33,6 +35,30 @@ std::vector<TimeNs> read_update_times(const fs::path& csv) {
   return times;
 }
 
+/// Columns t_ns, one per stage.
+std::vector<UpdateCost> read_costs(const fs::path& csv) {
+  std::ifstream file(csv);
+  std::string line, field;
+  std::getline(file, line);
+  std::vector<bool> is_overlap;
+  for (std::istringstream head(line); std::getline(head, field, ',');) is_overlap.push_back(field == "overlap_s");
+  if (std::count(is_overlap.begin(), is_overlap.end(), true) != 1) {
+    throw std::runtime_error(csv.string() + ": has no column overlap_s");
+  }
+  std::vector<UpdateCost> costs;
+  while (std::getline(file, line)) {
+    std::istringstream row(line);
+    UpdateCost cost;
+    for (std::size_t i = 0; i < is_overlap.size() && std::getline(row, field, ','); ++i) {
+      if (i == 0) continue;  // the time
+      cost.all += std::stod(field);
+      if (is_overlap[i]) cost.overlap += std::stod(field);
+    }
+    costs.push_back(cost);
+  }
+  return costs;
+}
+
 RecordedRun run(const std::string& pipeline, int threads, const fs::path& input, const char* sensor,
                 const fs::path& reference, const std::vector<std::string>& overrides = {},
                 std::uint64_t order_seed = 0) {
@@ -58,6 +84,7 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
   out.trajectory_sha256 = sha256_of_file(output / "trajectory.tum");
   out.lidar = Trajectory(io::read_tum(output / "trajectory_lidar.tum"));
   out.update_times = read_update_times(output / "updates.csv");
+  out.costs = read_costs(output / "timings.csv");
   fs::remove_all(output);
   return out;
 }

@@ -17,10 +17,16 @@ inline constexpr bool kCostCounts = true;
 inline constexpr bool kCostCounts = false;
 #endif
 
+/// CPU time of an update, from timings.csv [s].
+struct UpdateCost {
+  double all = 0, overlap = 0;
+};
+
 struct RecordedRun {
   experiment::Summary summary;
   std::string trajectory_sha256;     ///< of trajectory.tum
   std::vector<TimeNs> update_times;  ///< ends of the windows, from updates.csv
+  std::vector<UpdateCost> costs;     ///< of the same updates
   Trajectory lidar;                  ///< of the LiDAR, from trajectory_lidar.tum
   double ate_m() const { return summary.evaluation.value().ate.translation.rmse; }
   double cpu_per_s() const { return summary.cpu_s / summary.data_s; }

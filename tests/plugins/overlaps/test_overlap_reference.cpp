@@ -1,7 +1,8 @@
 // hard_voxel and soft_voxel against brute force over whole lives: what is known is a list of all cells ever learnt.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <optional>
 #include <random>
@@ -24,9 +25,9 @@ struct Settings {
   std::size_t max_points = 0;
   std::string text() const {
     return fmt::format(
-        "{{type: {}, voxel: 0.125, delay: {}, max_points: {}, min_points: 1, points: {}, frame_length: 0.12{}", //
-        layers == 0 ? "hard_voxel" : "soft_voxel", to_seconds(delay), max_points, frame_length > 0 ? "window" : "latest",
-        layers == 0 ? std::string() : fmt::format(", layers: {}", layers));
+        "{{type: {}, voxel: 0.125, delay: {}, max_points: {}, min_points: 1, points: {}, frame_length: 0.12{}",  //
+        layers == 0 ? "hard_voxel" : "soft_voxel", to_seconds(delay), max_points,
+        frame_length > 0 ? "window" : "latest", layers == 0 ? std::string() : fmt::format(", layers: {}", layers));
   }
 };
 
@@ -114,8 +115,8 @@ class Reference {
     int nearest = is_.layers + 1;
     for (const Known& known : known_) {
       if (known.counts_from > horizon) continue;
-      const int away = std::max({std::abs(known.cell.x - cell.x), std::abs(known.cell.y - cell.y),
-                                 std::abs(known.cell.z - cell.z)});
+      const int away =
+          std::max({std::abs(known.cell.x - cell.x), std::abs(known.cell.y - cell.y), std::abs(known.cell.z - cell.z)});
       nearest = std::min(nearest, away);
     }
     return nearest;
@@ -206,7 +207,8 @@ void live(OverlapMetric& metric, Reference reference, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("overlaps equal brute force over whole lives: delay, window, cap, looks ahead, trims") {  // eqs. SOD-1 to SOD-3
+TEST_CASE(
+    "overlaps equal brute force over whole lives: delay, window, cap, looks ahead, trims") {  // eqs. SOD-1 to SOD-3
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   test::BuildEnvironment environment;
