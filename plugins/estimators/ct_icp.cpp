@@ -226,8 +226,7 @@ void CtIcp::accept() {
     state_.p = path_.end().p;
     twist_.follow(state_.pose(), state_.t);
     state_.v = state_.R * twist_.velocity_in_body();
-    const Mat6 bounded = information + 1e-6 * Mat6::Identity();
-    P_.topLeftCorner<6, 6>() = bounded.ldlt().solve(Mat6::Identity());
+    P_.topLeftCorner<6, 6>() = bounded_covariance(information);
   }
   if (uses_imu()) twist_.hold(state_.pose(), state_.t);
   result_.accepted = true;

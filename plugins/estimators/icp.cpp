@@ -164,10 +164,8 @@ void Icp::accept(const Pose& end, const PoseInformation& fresh) {
   state_.R = end.R;
   state_.p = end.p;
   state_.v = end.R * twist_.velocity_in_body();
-  // Known no better than 1e3 (rad, m) where nothing was seen of a direction.
-  const Mat6 information = fresh_information + 1e-6 * Mat6::Identity();
   P_.setZero();
-  P_.topLeftCorner<6, 6>() = information.ldlt().solve(Mat6::Identity());
+  P_.topLeftCorner<6, 6>() = bounded_covariance(fresh_information);
   result_.accepted = true;
 }
 

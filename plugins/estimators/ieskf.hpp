@@ -18,7 +18,6 @@ namespace aslio::plugins {
 class Ieskf final : public Estimator {
  public:
   using Gravity = EstimatedStates::Gravity;
-  using GyroCalibration = EstimatedStates::GyroCalibration;
   using Noise = ImuNoisePreset::Kind;
   enum class Association : std::uint8_t { every_iteration, on_convergence, once };
 

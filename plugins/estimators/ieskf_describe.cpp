@@ -3,19 +3,7 @@
 namespace aslio::plugins {
 
 void Ieskf::describe(config::Binder& b, Params& p) {
-  b.choice("gravity", p.estimated.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
-           "what of gravity is estimated: its direction, all three components, or nothing");
-  b.real("sigma_gravity", p.estimated.sigma_gravity, "m/s^2", {.above = 0, .max = 10},
-         "gravity: free alone: standard deviation of the length of g at the start (latitude and height change g by "
-         "0.03 m/s^2)");
-  b.real("gravity_walk", p.estimated.gravity_walk, "deg/sqrt(s)", {.min = 0, .max = 10},
-         "gravity: s2, free: random walk of the direction of gravity in the map, by which a map bends as it grows "
-         "(0: none)");
-  b.choice("gyro_calibration", p.estimated.gyro_calibration,
-           {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
-           "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
-           "(0.5 %), too");
-  b.flag("time_offset", p.estimated.time_offset, "estimate the delay of the IMU (prior 3 ms)");
+  describe_estimated(b, p.estimated);
   b.choice("deskew_correction", p.deskew_correction,
            {{"rigid", DeskewCorrection::rigid},
             {"linear", DeskewCorrection::linear},

@@ -15,6 +15,24 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 }  // namespace
 
 // eq. INI-4.
+void describe_estimated(config::Binder& b, EstimatedStates& p) {
+  using Gravity = EstimatedStates::Gravity;
+  using GyroCalibration = EstimatedStates::GyroCalibration;
+  b.choice("gravity", p.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
+           "what of gravity is estimated: its direction, all three components, or nothing");
+  b.real("sigma_gravity", p.sigma_gravity, "m/s^2", {.above = 0, .max = 10},
+         "gravity: free alone: standard deviation of the length of g at the start (latitude and height change g by "
+         "0.03 m/s^2)");
+  b.real("gravity_walk", p.gravity_walk, "deg/sqrt(s)", {.min = 0, .max = 10},
+         "gravity: s2, free: random walk of the direction of gravity in the map, by which a map bends as it grows "
+         "(0: none)");
+  b.choice("gyro_calibration", p.gyro_calibration,
+           {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
+           "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
+           "(0.5 %), too");
+  b.flag("time_offset", p.time_offset, "estimate the delay of the IMU (prior 3 ms)");
+}
+
 StateMatrix initial_covariance(const InitialState& initial, const EstimatedStates& estimated, double sigma_velocity) {
   StateMatrix P = StateMatrix::Zero();
   // The world is defined by the first pose, so pose errors start at zero and the error of the measured vertical is one

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "aslio/config/binder.hpp"
 #include "aslio/stages/estimator.hpp"
 
 namespace aslio::plugins {
@@ -15,6 +16,8 @@ struct EstimatedStates {
   GyroCalibration gyro_calibration = GyroCalibration::none;
   bool time_offset = false;
 };
+
+void describe_estimated(config::Binder& b, EstimatedStates& p);
 
 /// Covariance at the start (docs/equations.md INI-4): zero for what is not estimated. `sigma_velocity` [m/s] stands in
 /// place of the initial state's.

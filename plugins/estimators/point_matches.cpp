@@ -25,6 +25,11 @@ bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const Wind
   return sigma * sigma * spectrum[0] * windows_per_view(plan) < 1.0;
 }
 
+Mat6 bounded_covariance(const Mat6& information) {
+  const Mat6 bounded = information + 1e-6 * Mat6::Identity();
+  return bounded.ldlt().solve(Mat6::Identity());
+}
+
 void PointMatches::reserve(std::size_t points, const Residual& residual) {
   if (points <= body.capacity()) return;
   points *= 2;  // windows vary with what is in view: one that is twice as full needs no memory

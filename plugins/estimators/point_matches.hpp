@@ -19,6 +19,10 @@ double windows_per_view(const WindowPlan& plan);
 /// window. eq. IESKF-7.
 bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan);
 
+/// Covariance of a pose (rotation, position) of which `information` is known: no worse than 1e3 (rad, m) where nothing
+/// was seen of a direction.
+Mat6 bounded_covariance(const Mat6& information);
+
 struct PointMatches {
   std::vector<Vec3> body, world;  ///< at the end of the window; where the iterate places them
   std::vector<float> range;       ///< |p_L| [m]

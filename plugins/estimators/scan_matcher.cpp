@@ -176,10 +176,8 @@ void ScanMatcher::accept(const Pose& end, const PoseInformation& fresh) {
   }
   state_.R = end.R;
   state_.p = end.p;
-  // Known no better than 1e3 (rad, m) where nothing was seen of a direction.
-  const Mat6 bounded = information + 1e-6 * Mat6::Identity();
   P_.setZero();
-  P_.topLeftCorner<6, 6>() = bounded.ldlt().solve(Mat6::Identity());
+  P_.topLeftCorner<6, 6>() = bounded_covariance(information);
   result_.accepted = true;
 }
 

@@ -21,7 +21,6 @@ namespace aslio::plugins {
 class Smoother final : public Estimator, private PointRevision {
  public:
   using Gravity = EstimatedStates::Gravity;
-  using GyroCalibration = EstimatedStates::GyroCalibration;
   using Noise = ImuNoisePreset::Kind;
 
   struct Params {

@@ -3,18 +3,7 @@
 namespace aslio::plugins {
 
 void Smoother::describe(config::Binder& b, Params& p) {
-  b.choice("gravity", p.estimated.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
-           "what of gravity is estimated: its direction, all three components, or nothing");
-  b.real("sigma_gravity", p.estimated.sigma_gravity, "m/s^2", {.above = 0, .max = 10},
-         "gravity: free alone: standard deviation of the length of g at the start");
-  b.real("gravity_walk", p.estimated.gravity_walk, "deg/sqrt(s)", {.min = 0, .max = 10},
-         "gravity: s2, free: random walk of the direction of gravity in the map, by which a map bends as it grows "
-         "(0: none)");
-  b.choice("gyro_calibration", p.estimated.gyro_calibration,
-           {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
-           "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
-           "(0.5 %), too");
-  b.flag("time_offset", p.estimated.time_offset, "estimate the delay of the IMU (prior 3 ms)");
+  describe_estimated(b, p.estimated);
   b.choice("noise", p.noise.kind,
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "IMU noise, as of ieskf");
