@@ -14,12 +14,15 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 }  // namespace
 
-// eq. INI-4.
-void describe_estimated(config::Binder& b, EstimatedStates& p) {
+void describe_gravity(config::Binder& b, EstimatedStates::Gravity& gravity) {
   using Gravity = EstimatedStates::Gravity;
-  using GyroCalibration = EstimatedStates::GyroCalibration;
-  b.choice("gravity", p.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
+  b.choice("gravity", gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
            "what of gravity is estimated: its direction, all three components, or nothing");
+}
+
+void describe_estimated(config::Binder& b, EstimatedStates& p) {
+  using GyroCalibration = EstimatedStates::GyroCalibration;
+  describe_gravity(b, p.gravity);
   b.real("sigma_gravity", p.sigma_gravity, "m/s^2", {.above = 0, .max = 10},
          "gravity: free alone: standard deviation of the length of g at the start (latitude and height change g by "
          "0.03 m/s^2)");
@@ -33,6 +36,7 @@ void describe_estimated(config::Binder& b, EstimatedStates& p) {
   b.flag("time_offset", p.time_offset, "estimate the delay of the IMU (prior 3 ms)");
 }
 
+// eq. INI-4.
 StateMatrix initial_covariance(const InitialState& initial, const EstimatedStates& estimated, double sigma_velocity) {
   StateMatrix P = StateMatrix::Zero();
   // The world is defined by the first pose, so pose errors start at zero and the error of the measured vertical is one

@@ -17,6 +17,7 @@ struct EstimatedStates {
   bool time_offset = false;
 };
 
+void describe_gravity(config::Binder& b, EstimatedStates::Gravity& gravity);
 void describe_estimated(config::Binder& b, EstimatedStates& p);
 
 /// Covariance at the start (docs/equations.md INI-4): zero for what is not estimated. `sigma_velocity` [m/s] stands in

@@ -3,8 +3,7 @@
 namespace aslio::plugins {
 
 void PointwiseEskf::describe(config::Binder& b, Params& p) {
-  b.choice("gravity", p.gravity, {{"s2", Gravity::s2}, {"free", Gravity::free}, {"fixed", Gravity::fixed}},
-           "what of gravity is estimated: its direction, all three components, or nothing");
+  describe_gravity(b, p.gravity);
   b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one point-to-surface residual");
   b.real("velocity_noise", p.noise.velocity, "(m/s^2)^2", {.min = 0},
          "variance of the velocity's random walk in a step of dt, per dt^2");

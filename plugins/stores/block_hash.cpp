@@ -13,8 +13,6 @@ namespace aslio::plugins {
 namespace {
 
 constexpr std::size_t kSmallest = 1024;  // slots
-/// Cells whose bricks are fetched at once: looking for one after the other is waiting for memory.
-constexpr std::size_t kBatch = 32;
 constexpr Brick kEmpty{};
 /// Cells of a brick that are looked at one by one before its planes are made: these cost as much as some ten of them.
 constexpr std::uint32_t kAlone = 8;
@@ -141,15 +139,20 @@ void BlockHash::announce_change(std::uint64_t key) {
   }
 }
 
+std::size_t BlockHash::fetch(std::span<const Cell> cells, Keys& keys) const {
+  const std::size_t count = std::min(kBatch, cells.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    keys[i] = key_of(cells[i]);
+    __builtin_prefetch(&slots_[first_slot(keys[i])]);
+  }
+  return count;
+}
+
 void BlockHash::insert(std::span<const Cell> cells) {
-  std::array<std::uint64_t, kBatch> keys{};
+  Keys keys{};
   std::array<std::size_t, kBatch> bricks{};
   for (; !cells.empty(); cells = cells.subspan(std::min(kBatch, cells.size()))) {
-    const std::size_t count = std::min(kBatch, cells.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      keys[i] = key_of(cells[i]);
-      __builtin_prefetch(&slots_[first_slot(keys[i])]);
-    }
+    const std::size_t count = fetch(cells, keys);
     for (std::size_t i = 0; i < count; ++i) {
       bricks[i] = i > 0 && keys[i] == keys[i - 1] ? bricks[i - 1] : find_or_add(keys[i]);
       __builtin_prefetch(&bricks_[bricks[i]]);
@@ -206,14 +209,10 @@ void BlockHash::layers(std::span<const Cell> cells, int depth, LayerMetric metri
     forget_planes();
   }
   ++queries_;
-  std::array<std::uint64_t, kBatch> keys{};
+  Keys keys{};
   std::array<const Brick*, kBatch> bricks{};
   for (; !cells.empty(); cells = cells.subspan(std::min(kBatch, cells.size()))) {
-    const std::size_t count = std::min(kBatch, cells.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      keys[i] = key_of(cells[i]);
-      __builtin_prefetch(&slots_[first_slot(keys[i])]);
-    }
+    const std::size_t count = fetch(cells, keys);
     for (std::size_t i = 0; i < count; ++i) {
       bricks[i] = i > 0 && keys[i] == keys[i - 1] ? bricks[i - 1] : find(keys[i]);
       __builtin_prefetch(bricks[i]);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/overlap.hpp"
@@ -32,6 +35,9 @@ class BlockHash final : public OccupancyStore {
   std::uint64_t dilations() const { return dilations_; }
 
  private:
+  /// Cells whose bricks are fetched at once: looking for one after the other is waiting for memory.
+  static constexpr std::size_t kBatch = 32;
+  using Keys = std::array<std::uint64_t, kBatch>;
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};  // no brick: keys have 63 bits
   struct Slot {
     std::uint64_t key = kNone;
@@ -47,6 +53,8 @@ class BlockHash final : public OccupancyStore {
     std::uint64_t key = 0;
     std::uint32_t announced = 0;  // the query count at which the cache was last told of a change
   };
+  /// Keys of the first kBatch cells, or as many as there are; the memory where they are looked for is asked for.
+  std::size_t fetch(std::span<const Cell> cells, Keys& keys) const;
   /// Where a key is looked for first, and where it is or would be.
   std::size_t first_slot(std::uint64_t key) const;
   std::size_t slot_of(std::uint64_t key) const;
