@@ -78,12 +78,12 @@ class VoxelOverlap : public OverlapMetric {
   std::uint64_t due_begin_ = 0, due_end_ = 0;  // slices that `due_` holds, by count
   std::vector<KnownPoint> known_;              // of the last frame_length_
   std::vector<Cell> older_;                    // those of an evaluation
-  // What the last evaluation scored, in order: cells, their layers, and for those past `older_` the number of the
-  // point.
+  // What the last evaluation scored, in order: cells, their layers (none once they may not be relied on any more), and
+  // the number of each point; those of `older_` come first, and have none.
   std::vector<Cell> scored_;
   std::vector<std::uint8_t> layers_;
   std::vector<std::size_t> point_of_;
-  std::size_t next_scored_ = 0;  // by extend()
+  std::size_t next_scored_ = 0;  // where extend() goes on to look, at first that behind `older_`
   std::vector<std::uint8_t> due_layers_;
   std::vector<Cell> unseen_;
   std::vector<std::size_t> unseen_index_;
