@@ -94,8 +94,9 @@ void CtIcp::place() {
 
 void CtIcp::associate(const HistorySelection& past, const StepContext& context) {
   const CpuTimer timer(result_.times.associate, result_.times.solve);
-  fresh_.associate(context.map, *residual_, 0xffffffff);
-  if (!history_.body.empty()) history_.associate(context.map, *residual_, past.max_stamp);
+  const Vec3 viewpoint = frame_.viewpoint(path_.end());
+  fresh_.associate(context.map, *residual_, viewpoint, 0xffffffff);
+  if (!history_.body.empty()) history_.associate(context.map, *residual_, viewpoint, past.max_stamp);
 }
 
 BeginEndInformation CtIcp::measure(PointMatches& matches, bool fresh, double gate) {

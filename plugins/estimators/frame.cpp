@@ -179,8 +179,8 @@ void Frame::list_matches() {
   }
 }
 
-/// The i-th kept point, at p_W, to the lists of its taps.
-void Frame::list_world(std::size_t i, const Vec3& p_W) {
+/// The i-th kept point, at p_W and seen from viewpoint_W, to the lists of its taps.
+void Frame::list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W) {
   if (taps_[i] == 0) return;
   const TimedPoint& p = raw_[i];
   const WorldPoint point{p_W,
@@ -189,7 +189,8 @@ void Frame::list_world(std::size_t i, const Vec3& p_W) {
                          p.intensity,
                          index_[i],
                          p.line,
-                         static_cast<std::uint8_t>(features_[i] & ~feature_class::clearest)};
+                         static_cast<std::uint8_t>(features_[i] & ~feature_class::clearest),
+                         PackedDirection((p_W - viewpoint_W).cast<float>())};
   for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
     if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
   }
@@ -197,16 +198,20 @@ void Frame::list_world(std::size_t i, const Vec3& p_W) {
 
 void Frame::place(const WindowTrajectory& trajectory) {
   const Pose& end = trajectory.corrected_end();
+  const Vec3 seen_from = viewpoint(end);
   for (auto& list : world_) list.clear();
   trajectory.to_end(
       raw_.size(), [&](std::size_t i) -> Vec3 { return body_[i].cast<double>(); },
-      [&](std::size_t i) { return raw_[i].t; }, [&](std::size_t i, const Vec3& p_I) { list_world(i, end * p_I); });
+      [&](std::size_t i) { return raw_[i].t; },
+      [&](std::size_t i, const Vec3& p_I) { list_world(i, end * p_I, seen_from); });
 }
 
 void Frame::place_along(const TrajectoryModel& trajectory) {
   for (auto& list : world_) list.clear();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
-    if (taps_[i] != 0) list_world(i, trajectory.pose(raw_[i].t) * body_[i].cast<double>());
+    if (taps_[i] == 0) continue;
+    const Pose T = trajectory.pose(raw_[i].t);
+    list_world(i, T * body_[i].cast<double>(), viewpoint(T));
   }
 }
 

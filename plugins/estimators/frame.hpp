@@ -31,7 +31,9 @@ class Frame {
   void match_all();
   /// match_body() again, for another trajectory; the choice of points, and how samplers have moved them, stays.
   void deskew_matches(const WindowTrajectory& trajectory);
-  /// World points of every tap, with the correction of the trajectory.
+  /// Where the sensor is when the IMU is at T (W from I), W [m].
+  Vec3 viewpoint(const Pose& T) const { return T * T_imu_lidar_.p; }
+  /// World points of every tap, with the correction of the trajectory, and as seen from its end.
   void place(const WindowTrajectory& trajectory);
   /// The same for points as measured, each from the pose of its own time.
   void place_along(const TrajectoryModel& trajectory);
@@ -49,7 +51,7 @@ class Frame {
 
   void reserve(std::size_t points);
   void list_matches();
-  void list_world(std::size_t i, const Vec3& p_W);
+  void list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W);
 
   Pose T_imu_lidar_;
   std::vector<TimedPoint> raw_;

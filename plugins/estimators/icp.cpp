@@ -126,8 +126,9 @@ void Icp::iterate(const HistorySelection& past, const StepContext& context) {
       const CpuTimer timer(result_.times.associate);
       fresh_.place(end);
       history_.place(end);
-      fresh_.associate(context.map, *residual_, 0xffffffff);
-      if (!history_.body.empty()) history_.associate(context.map, *residual_, past.max_stamp);
+      const Vec3 viewpoint = frame_.viewpoint(end);
+      fresh_.associate(context.map, *residual_, viewpoint, 0xffffffff);
+      if (!history_.body.empty()) history_.associate(context.map, *residual_, viewpoint, past.max_stamp);
     }
     const CpuTimer timer(result_.times.solve);
     const PoseInformation fresh = sum(fresh_, end, std::numeric_limits<double>::infinity());

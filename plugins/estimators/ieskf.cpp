@@ -146,8 +146,9 @@ void Ieskf::place(MatchSet& set, const NavState& at) const {
   for (std::size_t i = 0; i < set.body.size(); ++i) set.world[i] = at.R * set.body[i] + at.p;
 }
 
-void Ieskf::associate(MatchSet& set, const Map& map, std::uint32_t max_stamp) {
+void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
   MapQuery query = residual_->query();
+  query.viewpoint = frame_.viewpoint(at.pose());
   query.max_stamp = max_stamp;
   if (residual_->surfaces_from_map()) return map.surfaces(set.world, query, set.surfaces);
   map.correspond(set.world, query, set.neighbours);
@@ -277,7 +278,7 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
     load_fresh();
     const CpuTimer timer(result_.times.associate, result_.times.solve);
     place(fresh_, at);
-    associate(fresh_, context.map, 0xffffffff);
+    associate(fresh_, at, context.map, 0xffffffff);
     sums.fresh = evaluate(fresh_, at, no_gate);
   }
   sums.history = evaluate(history_, at, context.histories.gate(params_.sigma));
@@ -322,8 +323,8 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
       place(fresh_, x);
       place(history_, x);
       if (search) {
-        associate(fresh_, context.map, 0xffffffff);
-        associate(history_, context.map, past.max_stamp);
+        associate(fresh_, x, context.map, 0xffffffff);
+        associate(history_, x, context.map, past.max_stamp);
       }
     }
     const CpuTimer timer(result_.times.solve);

@@ -93,7 +93,8 @@ class Ieskf final : public Estimator {
   void iterate(const HistorySelection& past, const StepContext& context);
   /// Points of the set in W, for the two below.
   void place(MatchSet& set, const NavState& at) const;
-  void associate(MatchSet& set, const Map& map, std::uint32_t max_stamp);
+  /// What the points match where `at` has placed them.
+  void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
   WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
   Mat6 leave_degenerate_out(const Mat6& A) const;

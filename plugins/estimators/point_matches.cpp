@@ -50,11 +50,13 @@ void PointMatches::place(const Pose& T) {
   for (std::size_t i = 0; i < body.size(); ++i) world[i] = T * body[i];
 }
 
-void PointMatches::associate(const Map& map, Residual& residual, std::uint32_t max_stamp, std::uint8_t feature) {
+void PointMatches::associate(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,
+                             std::uint8_t feature) {
   surfaces.resize(body.size());
   MapQuery query = residual.query();
   query.max_stamp = max_stamp;
   query.feature = feature;
+  query.viewpoint = viewpoint;
   if (residual.surfaces_from_map()) return map.surfaces(world, query, surfaces);
   map.correspond(world, query, neighbours);
   residual.fit(world, neighbours, surfaces);

@@ -33,8 +33,8 @@ struct PointMatches {
 
   /// Room for `points`; no allocation while they do not double.
   void reserve(std::size_t points, const Residual& residual);
-  /// What the points match at `world`.
-  void associate(const Map& map, Residual& residual, std::uint32_t max_stamp,
+  /// What the points match at `world`, seen from `viewpoint` (W).
+  void associate(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,
                  std::uint8_t feature = feature_class::none);
   /// Rows at `world`.
   void evaluate(Residual& residual, double sigma);

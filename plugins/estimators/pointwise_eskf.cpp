@@ -176,10 +176,12 @@ void PointwiseEskf::take_points(std::size_t begin, std::size_t end, const Map& m
   row_slopes_.resize(rows_.size());
   const auto body = frame_.match_body().subspan(begin, n);
   for (std::size_t i = 0; i < n; ++i) world_[i] = now_.x.R * body[i] + now_.x.p;
+  MapQuery query = residual_->query();
+  query.viewpoint = frame_.viewpoint({now_.x.R, now_.x.p});
   if (residual_->surfaces_from_map()) {
-    map.surfaces(world_, residual_->query(), surfaces_);
+    map.surfaces(world_, query, surfaces_);
   } else {
-    map.correspond(world_, residual_->query(), neighbours_);
+    map.correspond(world_, query, neighbours_);
     residual_->fit(world_, neighbours_, surfaces_);
   }
   residual_->evaluate(world_, frame_.match_range().subspan(begin, n), surfaces_, params_.sigma, rows_);

@@ -135,7 +135,7 @@ bool ScanMatcher::match_map(const Map& map) {
       const CpuTimer searching(result_.times.associate, result_.times.solve);
       for (Kind* kind : {&lines_, &planes_}) {
         kind->all.place(end);
-        kind->all.associate(map, *kind->residual, 0xffffffff, kind->feature);
+        kind->all.associate(map, *kind->residual, frame_.viewpoint(end), 0xffffffff, kind->feature);
       }
     }
     ++result_.iterations;

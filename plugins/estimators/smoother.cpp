@@ -52,7 +52,7 @@ void Smoother::measure(Slice& slice, const Map* map) {
   slice.path.place(points.body, slice.times, points.world, slice.lever, slice.share);
   if (map != nullptr) {
     const CpuTimer timer(result_.times.associate, result_.times.solve);
-    points.associate(*map, *residual_, 0xffffffff);
+    points.associate(*map, *residual_, frame_.viewpoint(slice.state.pose()), 0xffffffff);
   }
   points.evaluate(*residual_, params_.sigma);
   const std::size_t n = points.body.size();

@@ -52,6 +52,7 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
          "measurements a plane is matched with as one: the more, the less counts a plane of few points, or at its rim "
          "(0: all the same)");
   b.real("radius", p.radius, "m", {.above = 0.0}, "voxels farther than this from the sensor are forgotten");
+  b.flag("faces", p.faces, "keep what is seen from either side of a wall apart");
   b.require(p.min_points <= p.max_points, "min_points", "must not exceed max_points");
 }
 
@@ -87,20 +88,34 @@ void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, 
         if (roots[i] != kNone) __builtin_prefetch(&roots_[roots[i]].node);
       }
       for (std::size_t i = 0; i < count; ++i) {
-        out[first + i] = surface(queries[first + i], addresses[i].cell, roots[i], query.max_stamp);
+        out[first + i] = surface(queries[first + i], roots[i], query);
       }
     }
   });
 }
 
-Surface VoxelPlane::surface(const Vec3& query, const VoxelCell& cell, std::uint32_t root,
-                            std::uint32_t max_stamp) const {
-  if (root == kNone) return {};
-  const Vec3 origin = corner(cell);
+Surface VoxelPlane::surface(const Vec3& query, std::uint32_t first, const MapQuery& how) const {
+  if (first == kNone) return {};
+  const Root& root = roots_[first];
+  if (root.other == kNone) {
+    const bool seen = !params_.faces || !how.viewpoint || seen_as(root, (query - *how.viewpoint).cast<float>());
+    return seen ? surface(query, root, how.max_stamp) : Surface{};
+  }
+  if (how.viewpoint) {
+    const bool as_first = seen_as(root, (query - *how.viewpoint).cast<float>());
+    return surface(query, as_first ? root : roots_[root.other], how.max_stamp);
+  }
+  const Surface found = surface(query, root, how.max_stamp);
+  return found.valid ? found : surface(query, roots_[root.other], how.max_stamp);
+}
+
+/// The plane of the coarsest level at a query in this part of its voxel.
+Surface VoxelPlane::surface(const Vec3& query, const Root& root, std::uint32_t max_stamp) const {
+  const Vec3 origin = corner(root.cell);
   const Eigen::Vector3f p = (query - origin).cast<float>();
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto edge = static_cast<float>(params_.voxel);
-  for (const Node* node = &roots_[root].node;; node = &nodes_[node->children + descend(p, edge, low)]) {
+  for (const Node* node = &root.node;; node = &nodes_[node->children + descend(p, edge, low)]) {
     if (node->planar && node->stamp <= max_stamp) {
       Surface found;
       found.normal = node->normal.cast<double>().normalized();
@@ -129,7 +144,8 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
         root = root_at(addresses[i]);
         last = cell;
       }
-      count.inserted += add(root, (batch[i].p_W - corner(cell)).cast<float>()) ? 1U : 0U;
+      const std::uint32_t part = params_.faces ? part_for(root, batch[i].view.vector()) : root;
+      count.inserted += add(part, (batch[i].p_W - corner(cell)).cast<float>()) ? 1U : 0U;
     }
   }
   for (const Touched& touched : touched_) {
@@ -142,16 +158,46 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
 std::uint32_t VoxelPlane::root_at(const Address& address) {
   std::uint32_t number = index_.find(address.key);
   if (number != kNone) return number;
+  number = take_root(address.cell);
+  index_.insert(address.key, number);
+  return number;
+}
+
+std::uint32_t VoxelPlane::take_root(const VoxelCell& cell) {
+  std::uint32_t number = kNone;
   if (free_roots_.empty()) {
     number = static_cast<std::uint32_t>(roots_.grow(1));
   } else {
     number = free_roots_.back();
     free_roots_.pop_back();
   }
-  roots_[number] = {address.cell, {}, true};
-  index_.insert(address.key, number);
+  Root& root = roots_[number];
+  root = {};
+  root.cell = cell;
+  root.in_use = true;
   ++roots_in_use_;
   return number;
+}
+
+/// Whether what is seen in the direction `view` belongs to the first part. eq. MAP-4.
+bool VoxelPlane::seen_as(const Root& first, const Eigen::Vector3f& view) {
+  if (!first.node.planar) return view.dot(first.view) >= 0;
+  return view.dot(first.node.normal) * first.view.dot(first.node.normal) >= 0;
+}
+
+/// The part of the voxel that takes a point seen in the direction `view` (unit, or zero), which it remembers.
+std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vector3f& view) {
+  std::uint32_t part = first;
+  if (!seen_as(roots_[first], view)) {
+    if (roots_[first].other == kNone) {
+      const std::uint32_t second = take_root(roots_[first].cell);
+      roots_[second].second = true;
+      roots_[first].other = second;
+    }
+    part = roots_[first].other;
+  }
+  roots_[part].view += view;
+  return part;
 }
 
 std::uint32_t VoxelPlane::take_children() {
@@ -243,13 +289,16 @@ void VoxelPlane::give_back(const Node& node) {
   free_blocks_.push_back(node.children);
 }
 
-void VoxelPlane::drop(std::uint32_t number) {
-  Root& root = roots_[number];
-  index_.erase(pack(root.cell));
-  give_back(root.node);
-  root.in_use = false;
-  free_roots_.push_back(number);
-  --roots_in_use_;
+/// Both parts of a voxel, by the number of the first.
+void VoxelPlane::drop(std::uint32_t first) {
+  index_.erase(pack(roots_[first].cell));
+  for (const std::uint32_t number : {first, roots_[first].other}) {
+    if (number == kNone) continue;
+    give_back(roots_[number].node);
+    roots_[number].in_use = false;
+    free_roots_.push_back(number);
+    --roots_in_use_;
+  }
 }
 
 void VoxelPlane::trim(const Vec3& centre_W) {
@@ -258,7 +307,7 @@ void VoxelPlane::trim(const Vec3& centre_W) {
   trimmed_ = true;
   trimmed_at_ = centre_W;
   for (std::uint32_t number = 0; number < roots_.size(); ++number) {
-    if (!roots_[number].in_use) continue;
+    if (!roots_[number].in_use || roots_[number].second) continue;
     const Vec3 relative = centre_W - corner(roots_[number].cell);
     const Vec3 outside = relative - relative.cwiseMax(0.0).cwiseMin(params_.voxel);
     if (outside.squaredNorm() > params_.radius * params_.radius) drop(number);
@@ -286,7 +335,7 @@ void VoxelPlane::visit(const std::function<void(const Vec3&)>& visitor) const {
   for (std::size_t number = 0; number < roots_.size(); ++number)
     if (roots_[number].in_use) order.push_back(&roots_[number]);
   std::sort(order.begin(), order.end(), [](const Root* a, const Root* b) {
-    return std::tie(a->cell.x, a->cell.y, a->cell.z) < std::tie(b->cell.x, b->cell.y, b->cell.z);
+    return std::tie(a->cell.x, a->cell.y, a->cell.z, a->second) < std::tie(b->cell.x, b->cell.y, b->cell.z, b->second);
   });
   for (const Root* root : order) {
     visitor(corner(root->cell) + root->node.sum.cast<double>() / root->node.count);

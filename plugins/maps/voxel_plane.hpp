@@ -20,6 +20,11 @@ namespace aslio::plugins {
 /// refused and queries find nothing; nearer than that, a plane is as exact as at the origin, since floats count from
 /// the corner of its voxel.
 ///
+/// Faces: a thin wall seen from both sides would be a thick one, or none. So the points of a coarsest voxel are kept in
+/// two parts, by the side they are seen from (docs/equations.md MAP-4), and a query meets what is seen from where it
+/// looks. Points without a view all belong to the first part; a query without viewpoint takes the first that has a
+/// plane.
+///
 /// Self-matches: a query with max_stamp takes planes of that update or before, but a plane goes on taking points until
 /// it is closed. So a history point (docs/equations.md HIS-1) meets no plane made of its own window; one that is older
 /// holds that window's points too if they have been inserted. Only with `insertion: on_exit`, which inserts nothing of
@@ -34,6 +39,7 @@ class VoxelPlane final : public Map {
     double thickness = 0.025;
     double doubt = 10.0;
     double radius = 150.0;
+    bool faces = true;
   };
   static void describe(config::Binder& b, Params& p);
   VoxelPlane(const Params& params, const BuildContext& context);
@@ -45,11 +51,11 @@ class VoxelPlane final : public Map {
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
   void trim(const Vec3& centre_W) override;
   void clear() override;
-  /// Voxels of the coarsest level.
+  /// Voxels of the coarsest level, those of two parts twice.
   std::size_t size() const override { return roots_in_use_; }
   std::size_t memory_bytes() const override;
   double radius() const override { return params_.radius; }
-  /// The mean of the points of every voxel of the coarsest level, by voxel.
+  /// The mean of the points of every part of a voxel of the coarsest level, by voxel.
   void visit(const std::function<void(const Vec3&)>& visitor) const override;
 
  private:
@@ -66,10 +72,13 @@ class VoxelPlane final : public Map {
     Eigen::Vector3f along = Eigen::Vector3f::Zero();  ///< direction of the largest variance
     float longest = 1, shortest = 1;                  ///< variances within the plane [m^2]
   };
+  /// One part of a coarsest voxel.
   struct Root {
     VoxelCell cell;
     Node node;
-    bool in_use = false;
+    bool in_use = false, second = false;
+    std::uint32_t other = CellIndex::kNone;          ///< of a first part: number of the second
+    Eigen::Vector3f view = Eigen::Vector3f::Zero();  ///< sum of the directions its points are seen in
   };
   struct Touched {
     std::uint32_t root, node;  ///< node: kNone for that of the root itself
@@ -86,6 +95,9 @@ class VoxelPlane final : public Map {
   void find_address(const Vec3& p_W, Address& out) const;
   Vec3 corner(const VoxelCell& cell) const;
   std::uint32_t root_at(const Address& address);
+  std::uint32_t take_root(const VoxelCell& cell);
+  static bool seen_as(const Root& first, const Eigen::Vector3f& view);
+  std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& view);
   std::uint32_t take_children();
   void give_back(const Node& node);
   bool add(std::uint32_t root, const Eigen::Vector3f& p);
@@ -93,8 +105,9 @@ class VoxelPlane final : public Map {
   void fit(Node& node, std::uint32_t stamp);
   bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
   double quality(const Node& node, const Eigen::Vector3f& p) const;
-  void drop(std::uint32_t root);
-  Surface surface(const Vec3& query, const VoxelCell& cell, std::uint32_t root, std::uint32_t max_stamp) const;
+  void drop(std::uint32_t first);
+  Surface surface(const Vec3& query, std::uint32_t first, const MapQuery& how) const;
+  Surface surface(const Vec3& query, const Root& root, std::uint32_t max_stamp) const;
 
   Params params_;
   exec::Executor& exec_;

@@ -138,6 +138,81 @@ TEST_CASE("voxel_plane: a clump or a line is no plane, whatever the rounding say
   }
 }
 
+namespace {
+
+/// A wall between y and z of one voxel, its faces at x = 0.3 and 0.4: which of them is met from either side?
+struct ThinWall : Planes {
+  explicit ThinWall(const std::string& keys)
+      : Planes("{type: voxel_plane, voxel: 1.0, levels: 1, min_points: 20" + keys + "}") {}
+  /// `count` points of a face, seen from `side` (-1: lower x), under any angle up to `slope` off its normal.
+  void see(int side, int count, double slope, std::uint32_t stamp = 1) {
+    std::vector<WorldPoint> points;
+    for (int i = 0; i < count; ++i) {
+      points.push_back(at(corner + Vec3(side < 0 ? 0.3 : 0.4, uniform(0, 1), uniform(0, 1))));
+      const double y = uniform(-slope, slope), z = uniform(-slope, slope);
+      points.back().view = PackedDirection(Vec3(-side, y, z).cast<float>());
+    }
+    map->insert(points, stamp);
+  }
+  Surface from(const Vec3& viewpoint, const Vec3& p) {
+    MapQuery query;
+    query.viewpoint = corner + viewpoint;
+    std::vector<Surface> found(1);
+    map->surfaces(std::vector<Vec3>{corner + p}, query, found);
+    found[0].anchor -= corner;
+    return found[0];
+  }
+};
+
+}  // namespace
+
+// eq. MAP-4.
+TEST_CASE("voxel_plane: from either side of a thin wall its own face is met, wherever in the voxel the point lies") {
+  ThinWall wall("");
+  for (int i = 0; i < 10; ++i) {
+    wall.see(-1, 30, i == 0 ? 0.5 : 10.0);
+    wall.see(1, 30, i == 0 ? 0.5 : 10.0);
+  }
+  CHECK(wall.map->size() == 2);
+  CHECK(contents(*wall.map).size() == 2);
+  for (const double x : {0.25, 0.35, 0.45}) {
+    for (const double y : {0.1, 0.9}) {
+      const Surface low = wall.from({-3, 4, 1}, {x, y, 0.5}), high = wall.from({3, -5, 1}, {x, y, 0.5});
+      REQUIRE(low.valid);
+      REQUIRE(high.valid);
+      CHECK(std::abs(low.anchor.x() - 0.3) < 1e-5);
+      CHECK(std::abs(high.anchor.x() - 0.4) < 1e-5);
+    }
+  }
+  CHECK(wall.at_point({0.35, 0.5, 0.5}).valid);
+  wall.map->trim({1e3, 0, 0});
+  CHECK(wall.map->size() == 0);
+  CHECK(!wall.at_point({0.35, 0.5, 0.5}).valid);
+  ThinWall mixed(", faces: false");
+  mixed.see(-1, 300, 0.5);
+  mixed.see(1, 300, 0.5);
+  CHECK(mixed.map->size() == 1);
+  CHECK(!mixed.from({-3, 4, 1}, {0.3, 0.5, 0.5}).valid);
+}
+
+// eq. MAP-4.
+TEST_CASE("voxel_plane: a face that was never seen is not met, and the one that was stays whole under any angle") {
+  ThinWall wall("");
+  wall.see(-1, 100, 0.2, 1);
+  wall.see(-1, 300, 10.0, 2);
+  CHECK(wall.map->size() == 1);
+  CHECK(wall.from({-3, 0.5, 0.5}, {0.3, 0.5, 0.5}).valid);
+  CHECK(!wall.from({3, 0.5, 0.5}, {0.3, 0.5, 0.5}).valid);
+  wall.see(1, 100, 0.2, 3);  // its face counts from the update that made it a plane
+  MapQuery query;
+  query.viewpoint = wall.corner + Vec3(3, 0.5, 0.5);
+  query.max_stamp = 2;
+  std::vector<Surface> found(1);
+  wall.map->surfaces(std::vector<Vec3>{wall.corner + Vec3(0.4, 0.5, 0.5)}, query, found);
+  CHECK(!found[0].valid);
+  CHECK(wall.from({3, 0.5, 0.5}, {0.4, 0.5, 0.5}).valid);
+}
+
 TEST_CASE("voxel_plane: parameters out of range are refused") {
   EveryMap fixture;
   for (const char* wrong : {"thickness: 0", "thickness: -0.02", "doubt: -1", "min_points: 3", "voxel: -0.5",

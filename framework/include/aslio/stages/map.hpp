@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct MapQuery {
   double max_distance = 1.0;             ///< [m]
   std::uint32_t max_stamp = 0xffffffff;  ///< only points inserted at this update or before
   std::uint8_t feature = 0;              ///< feature_class; only maps that say so tell its kinds apart
+  std::optional<Vec3> viewpoint = {};    ///< of the sensor, W [m]; for maps that tell the faces of a wall apart
 };
 
 /// Neighbours of a batch of queries. offset(i, j) = neighbour j of query i MINUS the query [m] (float is exact enough
@@ -65,7 +67,7 @@ class Map : public Stage {
   static constexpr std::string_view family = "maps";
   virtual MapContent content() const { return MapContent::points; }
   virtual void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const = 0;
-  /// The surface at each query, in W; not valid where there is none. Of the query, max_stamp alone counts.
+  /// The surface at each query, in W; not valid where there is none. Of the query, max_stamp and viewpoint count.
   virtual void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
     (void)queries, (void)query;
     std::fill(out.begin(), out.end(), Surface{});

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "aslio/core/packed_direction.hpp"
 #include "aslio/core/types.hpp"
 
 namespace aslio {
@@ -30,7 +31,8 @@ struct WorldPoint {
   float intensity = 0;
   std::uint32_t index = 0;  ///< position in Window::fresh
   std::uint8_t line = 0;
-  std::uint8_t feature = 0;  ///< feature_class
+  std::uint8_t feature = 0;   ///< feature_class
+  PackedDirection view = {};  ///< from the sensor to the point, W
 };
 
 }  // namespace aslio
