@@ -112,7 +112,8 @@ void MyStage::associate(const Map& map, const Pose& end) {
   queries_.clear();
   for (const Vec3& p : match_body_) queries_.push_back(end.R * p + end.p);
   surfaces_.assign(queries_.size(), {});
-  const MapQuery query = residual_->query();
+  MapQuery query = residual_->query();
+  query.viewpoint = end * T_imu_lidar_.p;
   if (residual_->surfaces_from_map()) {
     map.surfaces(queries_, query, surfaces_);
   } else {
@@ -196,12 +197,14 @@ void MyStage::finish() {
   overlap_points_.clear();
   map_points_.clear();
   match_points_.clear();
+  const Vec3 viewpoint = state_.pose() * T_imu_lidar_.p;
   for (std::size_t i = 0; i < body_.size(); ++i) {
     WorldPoint point{.p_W = state_.R * body_[i].cast<double>() + state_.p, .t = raw_[i].t};
     point.range = std::hypot(raw_[i].x, raw_[i].y, raw_[i].z);
     point.intensity = raw_[i].intensity;
     point.index = index_[i];
     point.line = raw_[i].line;
+    point.view = PackedDirection((point.p_W - viewpoint).cast<float>());
     if ((taps_[i] & mask(Tap::overlap)) != 0) overlap_points_.push_back(point);
     if ((taps_[i] & mask(Tap::map)) != 0) map_points_.push_back(point);
     if ((taps_[i] & mask(Tap::match)) != 0) match_points_.push_back(point);

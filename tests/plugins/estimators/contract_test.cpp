@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "plugins/estimators/room_filter.hpp"
+#include "plugins/estimators/watched_map.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -63,6 +64,35 @@ TEST_CASE("every estimator: with an empty map it waits, and places its points at
     CHECK((update.state.p - update.prior.p).norm() == 0.0);
     check_result(update, room);
   }
+}
+
+// What maps need that tell the faces of a wall apart (eq. MAP-4).
+TEST_CASE(
+    "every estimator searches from where the sensor is, and tells of its points in which direction they are seen") {
+  std::size_t searching = 0;
+  for (const std::string& type : estimators()) {
+    CAPTURE(type);
+    Filter filter = made(type);
+    filter.build_map(1);
+    WatchedMap map(*filter.map);
+    const TurningRoom motion{.rate = Vec3(0, 0, 0.5), .drift = Vec3(0.4, 0.2, 0)};
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const RoomWindow room(kRoomEpoch + k * kTenth, kTenth, motion, k + 2);
+      const Update& update = filter.estimator->update(room.window, {}, {filter.samplers, map, filter.history});
+      REQUIRE_FALSE(update.map_points.empty());
+      for (const WorldPoint& point : update.map_points) {
+        const Vec3 seen = (point.p_W - update.state.p).normalized();
+        REQUIRE((point.view.vector().cast<double>() - seen).norm() < 0.1);  // 4 cm of motion, walls from 2 m on
+      }
+      for (const auto& viewpoint : map.viewpoints) {
+        REQUIRE(viewpoint.has_value());
+        CHECK((*viewpoint - update.state.p).norm() < 0.3);
+      }
+      searching += map.searches > 0 ? 1U : 0U;
+      map.viewpoints.clear();
+    }
+  }
+  CHECK((searching >= 2 * estimators().size() || estimators().size() == 1));
 }
 
 TEST_CASE("every estimator follows an even motion in a known room, with either map of points") {

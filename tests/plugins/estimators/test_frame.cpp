@@ -113,6 +113,28 @@ TEST_CASE("points that samplers have moved stay moved when they are de-skewed ag
   }
 }
 
+TEST_CASE("points are seen from where the sensor is at the end of the window, not the IMU") {
+  const WindowTrajectory trajectory = turning_trajectory(2.0, 20, 0.005);
+  SensorModel sensor;
+  sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(2, -1, 3)};
+  Frame frame(sensor);
+  const TimeNs begin = trajectory.segments().front().t;
+  const std::vector<TimedPoint> raw{{.x = 3, .y = 1, .z = 0.5F, .t = begin + 10'000'000},
+                                    {.x = -1, .y = 2, .z = 0.2F, .t = begin + 90'000'000}};
+  StageTimes times;
+  SamplerChain none;
+  frame.load(raw, trajectory, none, times);
+  frame.place(trajectory);
+  const Pose& end = trajectory.corrected_end();
+  const Vec3 viewpoint = frame.viewpoint(end);
+  CHECK((viewpoint - end * sensor.T_imu_lidar.p).norm() < 1e-12);
+  const auto world = frame.world(Tap::map);
+  REQUIRE(world.size() == 2);
+  for (const WorldPoint& point : world) {
+    CHECK((point.view.vector().cast<double>() - (point.p_W - viewpoint).normalized()).norm() < 0.02);
+  }
+}
+
 TEST_CASE("points are placed where the corrected trajectory was when they were measured") {  // eq. DSK-2
   using Spread = WindowTrajectory::Spread;
   // Corrections as they come, and one of half a radian: the series and the closed form.

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "plugins/estimators/room_filter.hpp"
+#include "plugins/estimators/watched_map.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -23,30 +24,6 @@ std::vector<HistoryPoint> old_points(int count) {
   }
   return out;
 }
-
-/// Passes everything on and counts the searches for fresh points.
-class CountingMap final : public Map {
- public:
-  explicit CountingMap(Map& map) : map_(map) {}
-  void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override {
-    if (!queries.empty()) ++searches;
-    map_.correspond(queries, query, out);
-  }
-  InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override {
-    return map_.insert(points, stamp);
-  }
-  void trim(const Vec3& centre_W) override { map_.trim(centre_W); }
-  void clear() override { map_.clear(); }
-  std::size_t size() const override { return map_.size(); }
-  std::size_t memory_bytes() const override { return map_.memory_bytes(); }
-  double radius() const override { return map_.radius(); }
-  void visit(const std::function<void(const Vec3&)>& visitor) const override { map_.visit(visitor); }
-
-  mutable int searches = 0;
-
- private:
-  Map& map_;
-};
 
 double pose_trace(const StateMatrix& P) { return P.topLeftCorner<6, 6>().trace(); }
 
@@ -75,7 +52,7 @@ TEST_CASE("association: at every iteration, again on convergence, or once") {
     CAPTURE(rule);
     Filter filter({"estimator.association=" + rule, "estimator.max_iterations=10"}, 3.0);
     filter.build_map(1);
-    CountingMap map(*filter.map);
+    WatchedMap map(*filter.map);
     const Pose truth{exp_so3(Vec3(0.02, -0.01, 0.03)), Vec3(0.15, -0.1, 0.1)};
     const RoomWindow room(kRoomEpoch, kTenth, truth, 2);
     const Update& update = filter.estimator->update(room.window, {}, {filter.samplers, map, filter.history});

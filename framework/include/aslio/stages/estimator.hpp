@@ -114,8 +114,9 @@ struct InertialEstimate {
 
 /// Contract. reset() before the first update. update(): predict to the end of the window, de-skew, sample, associate,
 /// solve. With an empty map there is nothing to match: status `initialising`, the prior is kept and points are placed
-/// with it. A refused step keeps the prior. Never throws on numerical trouble (UpdateStatus says it). Same bits for any
-/// number of threads. No allocation after warm-up.
+/// with it. A refused step keeps the prior. The map is asked from where the sensor is (MapQuery::viewpoint), and points
+/// carry the direction they are seen in (WorldPoint::view). Never throws on numerical trouble (UpdateStatus says it).
+/// Same bits for any number of threads. No allocation after warm-up.
 class Estimator : public Stage {
  public:
   static constexpr std::string_view family = "estimators";
