@@ -69,30 +69,30 @@ TEST_CASE("every estimator: with an empty map it waits, and places its points at
 // What maps need that tell the faces of a wall apart (eq. MAP-4).
 TEST_CASE(
     "every estimator searches from where the sensor is, and tells of its points in which direction they are seen") {
-  std::size_t searching = 0;
   for (const std::string& type : estimators()) {
     CAPTURE(type);
     Filter filter = made(type);
     filter.build_map(1);
     WatchedMap map(*filter.map);
+    // 13 cm in all: far more than the limits below leave to one that looks from the origin.
     const TurningRoom motion{.rate = Vec3(0, 0, 0.5), .drift = Vec3(0.4, 0.2, 0)};
     for (std::uint32_t k = 0; k < 3; ++k) {
+      CAPTURE(k);
       const RoomWindow room(kRoomEpoch + k * kTenth, kTenth, motion, k + 2);
       const Update& update = filter.estimator->update(room.window, {}, {filter.samplers, map, filter.history});
       REQUIRE_FALSE(update.map_points.empty());
       for (const WorldPoint& point : update.map_points) {
         const Vec3 seen = (point.p_W - update.state.p).normalized();
-        REQUIRE((point.view.vector().cast<double>() - seen).norm() < 0.1);  // 4 cm of motion, walls from 2 m on
+        // 1 deg in the packing, and 4 cm of motion within the window at 1.5 m.
+        REQUIRE((point.view.vector().cast<double>() - seen).norm() < 0.05);
       }
-      for (const auto& viewpoint : map.viewpoints) {
-        REQUIRE(viewpoint.has_value());
-        CHECK((*viewpoint - update.state.p).norm() < 0.3);
-      }
-      searching += map.searches > 0 ? 1U : 0U;
+      CHECK((map.searches > 0 || filter.estimator->uses_features()));
+      for (const auto& viewpoint : map.viewpoints) REQUIRE(viewpoint.has_value());
+      if (k > 0 && !map.viewpoints.empty()) CHECK((*map.viewpoints.back() - update.state.p).norm() < 0.05);
       map.viewpoints.clear();
+      map.searches = 0;
     }
   }
-  CHECK((searching >= 2 * estimators().size() || estimators().size() == 1));
 }
 
 TEST_CASE("every estimator follows an even motion in a known room, with either map of points") {
