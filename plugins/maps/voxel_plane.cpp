@@ -97,16 +97,12 @@ void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, 
 Surface VoxelPlane::surface(const Vec3& query, std::uint32_t first, const MapQuery& how) const {
   if (first == kNone) return {};
   const Root& root = roots_[first];
-  if (root.other == kNone) {
-    const bool seen = !params_.faces || !how.viewpoint || seen_as(root, (query - *how.viewpoint).cast<float>());
-    return seen ? surface(query, root, how.max_stamp) : Surface{};
+  const bool told = params_.faces && how.viewpoint;
+  if (!told || seen_as(root, (query - *how.viewpoint).cast<float>())) {
+    const Surface found = surface(query, root, how.max_stamp);
+    if (told || found.valid) return found;
   }
-  if (how.viewpoint) {
-    const bool as_first = seen_as(root, (query - *how.viewpoint).cast<float>());
-    return surface(query, as_first ? root : roots_[root.other], how.max_stamp);
-  }
-  const Surface found = surface(query, root, how.max_stamp);
-  return found.valid ? found : surface(query, roots_[root.other], how.max_stamp);
+  return root.other == kNone ? Surface{} : surface(query, roots_[root.other], how.max_stamp);
 }
 
 /// The plane of the coarsest level at a query in this part of its voxel.
@@ -185,19 +181,18 @@ bool VoxelPlane::seen_as(const Root& first, const Eigen::Vector3f& view) {
   return view.dot(first.node.normal) * first.view.dot(first.node.normal) >= 0;
 }
 
-/// The part of the voxel that takes a point seen in the direction `view` (unit, or zero), which it remembers.
+/// The part of the voxel that takes a point seen in the direction `view` (unit, or zero); the first remembers it.
 std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vector3f& view) {
-  std::uint32_t part = first;
-  if (!seen_as(roots_[first], view)) {
-    if (roots_[first].other == kNone) {
-      const std::uint32_t second = take_root(roots_[first].cell);
-      roots_[second].second = true;
-      roots_[first].other = second;
-    }
-    part = roots_[first].other;
+  if (seen_as(roots_[first], view)) {
+    roots_[first].view += view;
+    return first;
   }
-  roots_[part].view += view;
-  return part;
+  if (roots_[first].other == kNone) {
+    const std::uint32_t second = take_root(roots_[first].cell);
+    roots_[second].second = true;
+    roots_[first].other = second;
+  }
+  return roots_[first].other;
 }
 
 std::uint32_t VoxelPlane::take_children() {

@@ -78,7 +78,7 @@ class VoxelPlane final : public Map {
     Node node;
     bool in_use = false, second = false;
     std::uint32_t other = CellIndex::kNone;          ///< of a first part: number of the second
-    Eigen::Vector3f view = Eigen::Vector3f::Zero();  ///< sum of the directions its points are seen in
+    Eigen::Vector3f view = Eigen::Vector3f::Zero();  ///< of a first part: sum of the directions it is seen in
   };
   struct Touched {
     std::uint32_t root, node;  ///< node: kNone for that of the root itself

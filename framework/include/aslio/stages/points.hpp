@@ -32,7 +32,7 @@ struct WorldPoint {
   std::uint32_t index = 0;  ///< position in Window::fresh
   std::uint8_t line = 0;
   std::uint8_t feature = 0;   ///< feature_class
-  PackedDirection view = {};  ///< from the sensor at the end of the window to the point, W; stays when it is moved
+  PackedDirection view = {};  ///< from the sensor to the point, W, when it was first placed
 };
 
 }  // namespace aslio
