@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace aslio::plugins {
@@ -23,6 +24,13 @@ constexpr double kLeastAspect = 9;
 constexpr double kRounding = 1e-6;
 /// Growth of the count that is worth a new fit.
 constexpr double kRefit = 1.1;
+/// Sine of the angle between view and plane below which the side it is seen from is not certain: 6 deg.
+constexpr float kGrazing = 0.1F;
+/// Distance from a plane within which a point seen along it is one of its own, in thicknesses.
+constexpr float kOwn = 2;
+/// Of a unit vector, and how many of them a sum of 16 bits holds.
+constexpr float kViewSteps = 127;
+constexpr std::uint32_t kMostViews = 256;
 
 /// Of the grid against the origin, in voxels: walls stand at round numbers, and a wall in the face between two voxels
 /// has half of its points in each.
@@ -38,6 +46,8 @@ std::uint32_t descend(const Eigen::Vector3f& p, float half, Eigen::Vector3f& low
   }
   return octant;
 }
+
+Eigen::Vector3f sum_of(const std::array<std::int16_t, 3>& view) { return Eigen::Vector3f(view[0], view[1], view[2]); }
 
 }  // namespace
 
@@ -97,31 +107,49 @@ void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, 
 Surface VoxelPlane::surface(const Vec3& query, std::uint32_t first, const MapQuery& how) const {
   if (first == kNone) return {};
   const Root& root = roots_[first];
-  const bool told = params_.faces && how.viewpoint;
-  if (!told || seen_as(root, (query - *how.viewpoint).cast<float>())) {
-    const Surface found = surface(query, root, how.max_stamp);
-    if (told || found.valid) return found;
-  }
-  return root.other == kNone ? Surface{} : surface(query, roots_[root.other], how.max_stamp);
-}
-
-/// The plane of the coarsest level at a query in this part of its voxel.
-Surface VoxelPlane::surface(const Vec3& query, const Root& root, std::uint32_t max_stamp) const {
   const Vec3 origin = corner(root.cell);
   const Eigen::Vector3f p = (query - origin).cast<float>();
+  const Node* node = nullptr;
+  if (params_.faces && how.viewpoint) {
+    node = facing(root, p, (query - *how.viewpoint).cast<float>().normalized(), how.max_stamp);
+  } else {
+    node = plane_at(root, p, how.max_stamp);
+    if (node == nullptr && root.other != kNone) node = plane_at(roots_[root.other], p, how.max_stamp);
+  }
+  if (node == nullptr) return {};
+  Surface found;
+  found.normal = node->normal.cast<double>().normalized();
+  found.anchor = origin + node->mean.cast<double>();
+  found.quality = quality(*node, p);
+  found.valid = true;
+  return found;
+}
+
+/// The plane of the coarsest level at p in this part of its voxel; nullptr if there is none.
+const VoxelPlane::Node* VoxelPlane::plane_at(const Root& root, const Eigen::Vector3f& p,
+                                             std::uint32_t max_stamp) const {
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto edge = static_cast<float>(params_.voxel);
   for (const Node* node = &root.node;; node = &nodes_[node->children + descend(p, edge, low)]) {
-    if (node->planar && node->stamp <= max_stamp) {
-      Surface found;
-      found.normal = node->normal.cast<double>().normalized();
-      found.anchor = origin + node->mean.cast<double>();
-      found.quality = quality(*node, p);
-      found.valid = true;
-      return found;
-    }
-    if (node->children == kNone) return {};
+    if (node->planar && node->stamp <= max_stamp) return node;
+    if (node->children == kNone) return nullptr;
     edge *= 0.5F;
+  }
+}
+
+/// Of the planes at p in both parts, one that faces who looks in the direction `view`; else one that is seen along it.
+/// eq. MAP-4.
+const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
+                                           std::uint32_t max_stamp) const {
+  const Node* along = nullptr;
+  for (const Root* root = &first;; root = &roots_[first.other]) {
+    const Node* node = plane_at(*root, p, max_stamp);
+    if (node != nullptr) {
+      const float away = node->sided ? view.dot(node->normal) : 0;
+      if (away <= 0) return node;
+      if (away <= kGrazing && along == nullptr) along = node;
+    }
+    if (root != &first || first.other == kNone) return along;
   }
 }
 
@@ -140,13 +168,23 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
         root = root_at(addresses[i]);
         last = cell;
       }
-      const std::uint32_t part = params_.faces ? part_for(root, batch[i].view.vector()) : root;
-      count.inserted += add(part, (batch[i].p_W - corner(cell)).cast<float>()) ? 1U : 0U;
+      const Eigen::Vector3f p = (batch[i].p_W - corner(cell)).cast<float>();
+      ViewSteps view{};
+      std::uint32_t part = root;
+      if (params_.faces) {
+        const Eigen::Vector3f direction = batch[i].view.vector();
+        part = part_for(root, p, direction);
+        for (int axis = 0; axis < 3; ++axis)
+          view[static_cast<std::size_t>(axis)] = static_cast<std::int16_t>(kViewSteps * direction[axis]);
+      }
+      count.inserted += add(part, p, view) ? 1U : 0U;
     }
   }
   for (const Touched& touched : touched_) {
     fit(touched.node == kNone ? roots_[touched.root].node : nodes_[touched.node], stamp);
   }
+  for (const Touched& touched : touched_)
+    if (touched.node == kNone && roots_[touched.root].other != kNone) unite(touched.root);
   touched_.clear();
   return count;
 }
@@ -175,24 +213,49 @@ std::uint32_t VoxelPlane::take_root(const VoxelCell& cell) {
   return number;
 }
 
-/// Whether what is seen in the direction `view` belongs to the first part. eq. MAP-4.
-bool VoxelPlane::seen_as(const Root& first, const Eigen::Vector3f& view) {
-  if (!first.node.planar) return view.dot(first.view) >= 0;
-  return view.dot(first.node.normal) * first.view.dot(first.node.normal) >= 0;
-}
-
-/// The part of the voxel that takes a point seen in the direction `view` (unit, or zero); the first remembers it.
-std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vector3f& view) {
-  if (seen_as(roots_[first], view)) {
-    roots_[first].view += view;
+/// The part of the voxel that takes a point seen in the direction `view` (unit, or zero). eq. MAP-4.
+std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view) {
+  const Root& root = roots_[first];
+  const Node* node = plane_at(root, p, std::numeric_limits<std::uint32_t>::max());
+  if (node != nullptr) {
+    const float away = node->sided ? view.dot(node->normal) : 0;
+    const float distance = std::abs((p - node->mean).dot(node->normal));
+    if (away <= 0 || (away <= kGrazing && distance <= kOwn * static_cast<float>(params_.thickness))) return first;
+  } else if (view.dot(sum_of(root.node.view)) >= 0) {
     return first;
   }
-  if (roots_[first].other == kNone) {
-    const std::uint32_t second = take_root(roots_[first].cell);
+  if (root.other == kNone) {
+    const std::uint32_t second = take_root(root.cell);
     roots_[second].second = true;
     roots_[first].other = second;
   }
   return roots_[first].other;
+}
+
+/// Makes one of the two parts of a voxel if they are of one face: one that was seen under angles too far apart before
+/// its plane was known. eq. MAP-4.
+void VoxelPlane::unite(std::uint32_t first) {
+  Node& node = roots_[first].node;
+  const std::uint32_t second = roots_[first].other;
+  const Node& rest = roots_[second].node;
+  if (!node.planar || !node.sided || rest.count == 0 || sum_of(rest.view).dot(node.normal) > 0) return;
+  const Vec3 normal = node.normal.cast<double>(), mean = rest.sum.cast<double>() / rest.count;
+  Mat3 squares;
+  const auto& s = rest.squares;
+  squares << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  const double off = normal.dot(mean - node.mean.cast<double>());
+  const double across = normal.dot(squares * normal) / rest.count - std::pow(normal.dot(mean), 2);
+  if (off * off + across > params_.thickness * params_.thickness) return;
+  Node both = node;
+  both.count += rest.count;
+  both.sum += rest.sum;
+  for (std::size_t i = 0; i < s.size(); ++i) both.squares[i] += s[i];
+  both.next_fit = 0;
+  fit(both, node.stamp);
+  if (!both.planar) return;
+  node = both;
+  release(second);
+  roots_[first].other = kNone;
 }
 
 std::uint32_t VoxelPlane::take_children() {
@@ -204,7 +267,7 @@ std::uint32_t VoxelPlane::take_children() {
 }
 
 /// Adds a point to its voxels of all levels; false when those are closed.
-bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p) {
+bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view) {
   std::uint32_t number = kNone;
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto half = static_cast<float>(params_.voxel);
@@ -215,7 +278,7 @@ bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p) {
     if (open) {
       if (!node.touched) touched_.push_back({root, number});
       node.touched = true;
-      sum_up(node, p);
+      sum_up(node, p, view);
       added = true;
     }
     // Parts of a plane are not asked for, and those of a voxel with few points tell nothing.
@@ -230,8 +293,11 @@ bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p) {
   }
 }
 
-void VoxelPlane::sum_up(Node& node, const Eigen::Vector3f& p) {
-  ++node.count;
+void VoxelPlane::sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view) {
+  if (++node.count <= kMostViews) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      node.view[axis] = static_cast<std::int16_t>(node.view[axis] + view[axis]);
+  }
   node.sum += p;
   std::size_t k = 0;
   for (int i = 0; i < 3; ++i)
@@ -260,6 +326,10 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   node.planar = planar;
   node.mean = mean.cast<float>();
   node.normal = solver.eigenvectors().col(0).cast<float>();
+  const Eigen::Vector3f view = sum_of(node.view);
+  const float away = view.dot(node.normal);
+  node.sided = away != 0;
+  if (away > 0) node.normal = -node.normal;
   node.along = solver.eigenvectors().col(2).cast<float>();
   node.longest = static_cast<float>(variance[2]);
   node.shortest = static_cast<float>(variance[1]);
@@ -287,13 +357,15 @@ void VoxelPlane::give_back(const Node& node) {
 /// Both parts of a voxel, by the number of the first.
 void VoxelPlane::drop(std::uint32_t first) {
   index_.erase(pack(roots_[first].cell));
-  for (const std::uint32_t number : {first, roots_[first].other}) {
-    if (number == kNone) continue;
-    give_back(roots_[number].node);
-    roots_[number].in_use = false;
-    free_roots_.push_back(number);
-    --roots_in_use_;
-  }
+  for (const std::uint32_t number : {first, roots_[first].other})
+    if (number != kNone) release(number);
+}
+
+void VoxelPlane::release(std::uint32_t root) {
+  give_back(roots_[root].node);
+  roots_[root].in_use = false;
+  free_roots_.push_back(root);
+  --roots_in_use_;
 }
 
 void VoxelPlane::trim(const Vec3& centre_W) {

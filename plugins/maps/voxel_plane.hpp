@@ -21,9 +21,9 @@ namespace aslio::plugins {
 /// the corner of its voxel.
 ///
 /// Faces: a thin wall seen from both sides would be a thick one, or none. So the points of a coarsest voxel are kept in
-/// two parts, by the side they are seen from (docs/equations.md MAP-4), and a query meets what is seen from where it
-/// looks. Points without a view all belong to the first part; a query without viewpoint takes the first that has a
-/// plane.
+/// two parts, by the side they are seen from (docs/equations.md MAP-4), and a query meets planes that face it, in
+/// whichever part. Points without a view all belong to the first part; a query without viewpoint takes the first that
+/// has a plane.
 ///
 /// Self-matches: a query with max_stamp takes planes of that update or before, but a plane goes on taking points until
 /// it is closed. So a history point (docs/equations.md HIS-1) meets no plane made of its own window; one that is older
@@ -59,13 +59,17 @@ class VoxelPlane final : public Map {
   void visit(const std::function<void(const Vec3&)>& visitor) const override;
 
  private:
+  /// A view of a point in steps of 1 / kViewSteps.
+  using ViewSteps = std::array<std::int16_t, 3>;
   /// Coordinates are relative to the corner of the root voxel [m]: floats, for there are many and all are small.
   struct Node {
     std::uint32_t count = 0;
     std::uint32_t stamp = 0;                    ///< update that made it a plane
     std::uint32_t next_fit = 0;                 ///< count from which it is fitted again
     std::uint32_t children = CellIndex::kNone;  ///< number of the first of eight
-    bool planar = false, touched = false;
+    bool planar : 1 = false, touched : 1 = false;
+    bool sided : 1 = false;  ///< seen from the side its normal points to; otherwise it is not known from where
+    ViewSteps view{};        ///< sum of the directions its first points are seen in
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     std::array<float, 6> squares{};  ///< xx, xy, xz, yy, yz, zz
     Eigen::Vector3f normal = Eigen::Vector3f::Zero(), mean = Eigen::Vector3f::Zero();
@@ -77,8 +81,7 @@ class VoxelPlane final : public Map {
     VoxelCell cell;
     Node node;
     bool in_use = false, second = false;
-    std::uint32_t other = CellIndex::kNone;          ///< of a first part: number of the second
-    Eigen::Vector3f view = Eigen::Vector3f::Zero();  ///< of a first part: sum of the directions it is seen in
+    std::uint32_t other = CellIndex::kNone;  ///< of a first part: number of the second
   };
   struct Touched {
     std::uint32_t root, node;  ///< node: kNone for that of the root itself
@@ -96,18 +99,21 @@ class VoxelPlane final : public Map {
   Vec3 corner(const VoxelCell& cell) const;
   std::uint32_t root_at(const Address& address);
   std::uint32_t take_root(const VoxelCell& cell);
-  static bool seen_as(const Root& first, const Eigen::Vector3f& view);
-  std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& view);
+  std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view);
+  void unite(std::uint32_t first);
+  void release(std::uint32_t root);
   std::uint32_t take_children();
   void give_back(const Node& node);
-  bool add(std::uint32_t root, const Eigen::Vector3f& p);
-  static void sum_up(Node& node, const Eigen::Vector3f& p);
+  bool add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view);
+  static void sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view);
   void fit(Node& node, std::uint32_t stamp);
   bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
   double quality(const Node& node, const Eigen::Vector3f& p) const;
   void drop(std::uint32_t first);
   Surface surface(const Vec3& query, std::uint32_t first, const MapQuery& how) const;
-  Surface surface(const Vec3& query, const Root& root, std::uint32_t max_stamp) const;
+  const Node* plane_at(const Root& root, const Eigen::Vector3f& p, std::uint32_t max_stamp) const;
+  const Node* facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
+                     std::uint32_t max_stamp) const;
 
   Params params_;
   exec::Executor& exec_;

@@ -2,40 +2,10 @@
 #include <catch2/catch.hpp>
 
 #include "aslio/core/errors.hpp"
-#include "plugins/maps/map_fixture.hpp"
+#include "plugins/maps/voxel_plane_fixture.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
-
-namespace {
-
-struct Planes {
-  explicit Planes(const std::string& text, double voxel = 1.0)
-      : corner(-voxel * Vec3(0.137, 0.223, 0.311)), map(fixture.make(text)) {}
-  /// Points of z = height over [low, high] x [0, 1], from the corner of a voxel.
-  std::size_t floor(double low, double high, double height, int count, std::uint32_t stamp = 1, double noise = 0.0) {
-    std::vector<WorldPoint> points;
-    for (int i = 0; i < count; ++i) {
-      const double x = uniform(low, high), y = uniform(0, 1);
-      points.push_back(at(corner + Vec3(x, y, height + uniform(-noise, noise))));
-    }
-    return map->insert(points, stamp).inserted;
-  }
-  Surface at_point(const Vec3& p, std::uint32_t max_stamp = 0xffffffff) {
-    MapQuery query;
-    query.max_stamp = max_stamp;
-    std::vector<Surface> found(1);
-    map->surfaces(std::vector<Vec3>{corner + p}, query, found);
-    found[0].anchor -= corner;
-    return found[0];
-  }
-  Vec3 corner;
-  EveryMap fixture;
-  Uniform uniform{1};
-  std::unique_ptr<Map> map;
-};
-
-}  // namespace
 
 TEST_CASE("voxel_plane: a step that spoils the coarse voxel is told apart by the finer ones") {
   for (const int levels : {1, 2}) {
@@ -136,81 +106,6 @@ TEST_CASE("voxel_plane: a clump or a line is no plane, whatever the rounding say
       CHECK_FALSE(planes.at_point(begin + shift).valid);
     }
   }
-}
-
-namespace {
-
-/// A wall between y and z of one voxel, its faces at x = 0.3 and 0.4: which of them is met from either side?
-struct ThinWall : Planes {
-  explicit ThinWall(const std::string& keys)
-      : Planes("{type: voxel_plane, voxel: 1.0, levels: 1, min_points: 20" + keys + "}") {}
-  /// `count` points of a face, seen from `side` (-1: lower x), under any angle up to `slope` off its normal.
-  void see(int side, int count, double slope, std::uint32_t stamp = 1) {
-    std::vector<WorldPoint> points;
-    for (int i = 0; i < count; ++i) {
-      points.push_back(at(corner + Vec3(side < 0 ? 0.3 : 0.4, uniform(0, 1), uniform(0, 1))));
-      const double y = uniform(-slope, slope), z = uniform(-slope, slope);
-      points.back().view = PackedDirection(Vec3(-side, y, z).cast<float>());
-    }
-    map->insert(points, stamp);
-  }
-  Surface from(const Vec3& viewpoint, const Vec3& p) {
-    MapQuery query;
-    query.viewpoint = corner + viewpoint;
-    std::vector<Surface> found(1);
-    map->surfaces(std::vector<Vec3>{corner + p}, query, found);
-    found[0].anchor -= corner;
-    return found[0];
-  }
-};
-
-}  // namespace
-
-// eq. MAP-4.
-TEST_CASE("voxel_plane: from either side of a thin wall its own face is met, wherever in the voxel the point lies") {
-  ThinWall wall("");
-  for (int i = 0; i < 10; ++i) {
-    wall.see(-1, 30, i == 0 ? 0.5 : 10.0);
-    wall.see(1, 30, i == 0 ? 0.5 : 10.0);
-  }
-  CHECK(wall.map->size() == 2);
-  CHECK(contents(*wall.map).size() == 2);
-  for (const double x : {0.25, 0.35, 0.45}) {
-    for (const double y : {0.1, 0.9}) {
-      const Surface low = wall.from({-3, 4, 1}, {x, y, 0.5}), high = wall.from({3, -5, 1}, {x, y, 0.5});
-      REQUIRE(low.valid);
-      REQUIRE(high.valid);
-      CHECK(std::abs(low.anchor.x() - 0.3) < 1e-5);
-      CHECK(std::abs(high.anchor.x() - 0.4) < 1e-5);
-    }
-  }
-  CHECK(wall.at_point({0.35, 0.5, 0.5}).valid);
-  wall.map->trim({1e3, 0, 0});
-  CHECK(wall.map->size() == 0);
-  CHECK(!wall.at_point({0.35, 0.5, 0.5}).valid);
-  ThinWall mixed(", faces: false");
-  mixed.see(-1, 300, 0.5);
-  mixed.see(1, 300, 0.5);
-  CHECK(mixed.map->size() == 1);
-  CHECK(!mixed.from({-3, 4, 1}, {0.3, 0.5, 0.5}).valid);
-}
-
-// eq. MAP-4.
-TEST_CASE("voxel_plane: a face that was never seen is not met, and the one that was stays whole under any angle") {
-  ThinWall wall("");
-  wall.see(-1, 100, 0.2, 1);
-  wall.see(-1, 300, 10.0, 2);
-  CHECK(wall.map->size() == 1);
-  CHECK(wall.from({-3, 0.5, 0.5}, {0.3, 0.5, 0.5}).valid);
-  CHECK(!wall.from({3, 0.5, 0.5}, {0.3, 0.5, 0.5}).valid);
-  wall.see(1, 100, 0.2, 3);  // its face counts from the update that made it a plane
-  MapQuery query;
-  query.viewpoint = wall.corner + Vec3(3, 0.5, 0.5);
-  query.max_stamp = 2;
-  std::vector<Surface> found(1);
-  wall.map->surfaces(std::vector<Vec3>{wall.corner + Vec3(0.4, 0.5, 0.5)}, query, found);
-  CHECK(!found[0].valid);
-  CHECK(wall.from({3, 0.5, 0.5}, {0.4, 0.5, 0.5}).valid);
 }
 
 TEST_CASE("voxel_plane: parameters out of range are refused") {
