@@ -57,9 +57,7 @@ std::vector<StampedPose> walk() {
 
 std::optional<std::pair<TimeNs, std::string>> divergence_of(const std::vector<StampedPose>& estimate) {
   const Trajectory reference(walk());
-  const auto options = experiment::measuring_options(reference, evaluation::Rule::interpolated);
-  const auto evaluation = evaluation::evaluate(Trajectory(estimate), reference, options);
-  return experiment::find_divergence(evaluation, estimate, reference);
+  return experiment::find_divergence(estimate, reference);
 }
 
 }  // namespace

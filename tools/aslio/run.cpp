@@ -26,7 +26,7 @@ struct Arguments {
   std::vector<std::string> overrides, plugins;
   int threads = 1;
   std::uint64_t seed = 0;
-  bool dense = false, quiet = false;
+  bool dense = false, stop_when_diverged = false, quiet = false;
 };
 
 int exit_code(const experiment::RunResult& result) {
@@ -99,6 +99,7 @@ experiment::RunOptions options_of(const Arguments& a, const Stages& stages, cons
   options.threads = a.threads;
   if (!a.save_map.empty()) options.save_map = a.save_map;
   options.dense = a.dense;
+  options.stop_when_diverged = a.stop_when_diverged;
   options.order_seed = a.seed;
   options.plugins = stages.files;
   options.command_line = command_line;
@@ -139,6 +140,9 @@ void add_options(CLI::App& app, Arguments& a) {
       ->check(CLI::ExistingFile);
   app.add_option("--save-map", a.save_map, "writes the points of all updates to this .ply or .pcd file");
   app.add_flag("--dense", a.dense, "also writes trajectory_dense.tum, with every state the estimator emits");
+  app.add_flag("--stop-when-diverged", a.stop_when_diverged,
+               "ends the run once it is lost for good: its position is off by more than 2 m and 5 % of the path of the "
+               "reference; without a reference it runs to the end");
   app.add_option(
          "--seed", a.seed,
          "offset of the first window (0 to 0.1 s; none for 0) and phase of the point strides: replicates differ in it")

@@ -101,12 +101,22 @@ std::optional<Pose> laid_on(std::span<const StampedPose> poses, const Trajectory
   return Pose{R, shift / static_cast<double>(pairs.size())};
 }
 
+double laid_error(const Pose& laid, const StampedPose& estimate, const Pose& truth) {
+  return (laid.R * estimate.T.p + laid.p - truth.p).norm();
+}
+
+bool is_off(double error, double path) { return error > kDivergedError && error > kDivergedShare * path; }
+
+TimeNs reference_gap(const Trajectory& reference) {
+  return to_ns(measuring_options(reference, evaluation::Rule::interpolated).max_reference_gap);
+}
+
 }  // namespace
 
 std::optional<double> failed_after(std::span<const StampedPose> poses, const Trajectory& reference,
                                    std::optional<TimeNs> other) {
   if (reference.samples().size() < 2) return std::nullopt;
-  const TimeNs max_gap = to_ns(measuring_options(reference, evaluation::Rule::interpolated).max_reference_gap);
+  const TimeNs max_gap = reference_gap(reference);
   const std::vector<double> path = travelled(reference);
   const auto share = [&](TimeNs t) { return path.back() > 0 ? path_at(reference, path, t) / path.back() : 0.0; };
   const auto laid = laid_on(poses, reference, max_gap);
@@ -115,17 +125,37 @@ std::optional<double> failed_after(std::span<const StampedPose> poses, const Tra
     if (other && estimate.t >= *other) break;
     const auto truth = reference.pose(estimate.t, max_gap);
     if (!truth) continue;
-    const double error = (laid->R * estimate.T.p + laid->p - truth->p).norm();
-    if (error <= kDivergedError || error <= kDivergedShare * path_at(reference, path, estimate.t)) continue;
-    return share(estimate.t);
+    if (is_off(laid_error(*laid, estimate, *truth), path_at(reference, path, estimate.t))) return share(estimate.t);
   }
   return other ? std::optional(share(*other)) : std::nullopt;
 }
 
-std::optional<std::pair<TimeNs, std::string>> find_divergence(const evaluation::Evaluation& evaluation,
-                                                              std::span<const StampedPose> poses,
+DivergenceWatch::DivergenceWatch(const Trajectory& reference)
+    : reference_(reference), max_gap_(reference_gap(reference)), path_(travelled(reference)) {}
+
+std::optional<std::pair<TimeNs, std::string>> DivergenceWatch::look(std::span<const StampedPose> poses) {
+  if (poses.empty() || reference_.samples().size() < 2) return std::nullopt;
+  const TimeNs now = poses.back().t;
+  if (!laid_) {
+    const auto first = std::find_if(poses.begin(), poses.end(),
+                                    [&](const StampedPose& p) { return reference_.pose(p.t, max_gap_).has_value(); });
+    if (first == poses.end() || now <= first->t + kSecond) return std::nullopt;
+    laid_ = laid_on(poses, reference_, max_gap_);
+  }
+  for (; seen_ < poses.size() && !failed_; ++seen_) failed_ = off_limits(poses[seen_]);
+  if (!failed_ || now < next_) return std::nullopt;
+  next_ = now + kSecond;
+  return find_divergence(poses, reference_);
+}
+
+bool DivergenceWatch::off_limits(const StampedPose& estimate) const {
+  const auto truth = reference_.pose(estimate.t, max_gap_);
+  return truth && is_off(laid_error(*laid_, estimate, *truth), path_at(reference_, path_, estimate.t));
+}
+
+std::optional<std::pair<TimeNs, std::string>> find_divergence(std::span<const StampedPose> poses,
                                                               const Trajectory& reference) {
-  const TimeNs max_gap = to_ns(evaluation.options.max_reference_gap);
+  const TimeNs max_gap = reference_gap(reference);
   const auto samples = reference.samples();
   std::size_t next = 0;  // of the reference's samples, not yet part of the path
   double path = 0;       // [m] since the first matched pose, to the last sample before the current one
@@ -147,7 +177,7 @@ std::optional<std::pair<TimeNs, std::string>> find_divergence(const evaluation::
     const double travelled = path + (truth->p - last).norm();
     alignment.add(estimate.T.p, truth->p);
     const double error = alignment.error(estimate.T.p, truth->p);
-    if (error <= kDivergedError || error <= kDivergedShare * travelled) continue;
+    if (!is_off(error, travelled)) continue;
     return std::pair{estimate.t, fmt::format("the position is {:.2f} m from the reference after {:.2f} m of path, more "
                                              "than {:.0f} m and {:.0f} %",
                                              error, travelled, kDivergedError, 100 * kDivergedShare)};

@@ -128,8 +128,11 @@ std::unique_ptr<io::MeasurementSource> open_source(const RunOptions& options, co
 /// Pumps the source into the odometry until one of them, or the monitor, ends it.
 class Loop {
  public:
-  Loop(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor)
+  /// `watched`: the reference by which a run ends that has diverged from it, or nullptr.
+  Loop(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor,
+       const Trajectory* watched)
       : source_(source), odometry_(odometry), outputs_(outputs), monitor_(monitor), feed_(monitor, duration(source)) {
+    if (watched != nullptr) watch_.emplace(*watched);
     odometry_.add_observer(outputs_);
     odometry_.add_observer(collector_);
     odometry_.add_observer(feed_);
@@ -178,11 +181,19 @@ class Loop {
       odometry_.push(std::move(*measurement));
       outputs_.raise();
       feed_.after_measurement();
-      if (odometry_.divergence()) return;
+      if (odometry_.divergence() || (outcome.divergence = watch())) return;
     }
     if (outcome.interrupted) return;
     odometry_.finish();
     outputs_.raise();
+  }
+
+  /// What ends the run when it has diverged from its reference.
+  std::optional<std::pair<TimeNs, std::string>> watch() {
+    if (!watch_) return std::nullopt;
+    auto found = watch_->look(collector_.poses());
+    if (found) found->second += "; the run was ended there";
+    return found;
   }
 
   io::MeasurementSource& source_;
@@ -191,6 +202,7 @@ class Loop {
   RunMonitor& monitor_;
   SummaryCollector collector_;
   ProgressFeed feed_;
+  std::optional<DivergenceWatch> watch_;
   bool bad_data_ = false;
 };
 
@@ -226,7 +238,9 @@ void measure(Summary& summary, const std::vector<StampedPose>& poses, const Traj
 void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference) {
   if (reference.samples().empty()) return;
   const auto& poses = collector.poses();
-  std::optional<TimeNs> other = collector.lost_at(reference.samples().back().t);
+  // A run that was ended when it diverged is not silent for the rest of its reference.
+  const bool ended = summary.status == pipeline::RunStatus::diverged && !poses.empty();
+  std::optional<TimeNs> other = collector.lost_at(ended ? poses.back().t : reference.samples().back().t);
   const bool good = summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded;
   if (!good && !poses.empty()) other = std::min(other.value_or(kTimeMax), poses.back().t);
   summary.failed_at = failed_after(poses, reference, other);
@@ -253,7 +267,8 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   Summary& summary = result.summary;
   const auto start = Clock::now();
   const double cpu_start = process_cpu_seconds();
-  Loop loop(*source, odometry, *outputs, monitor);
+  const Trajectory* watched = options.stop_when_diverged && prepared.reference ? &*prepared.reference : nullptr;
+  Loop loop(*source, odometry, *outputs, monitor, watched);
   RunOutcome outcome = loop.run();
   const bool whole = !outcome.interrupted && !outcome.failure && !outcome.divergence;
   loop.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time());
@@ -265,7 +280,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   if (prepared.reference) {
     measure(summary, loop.collector().poses(), *prepared.reference);
     if (summary.evaluation && !outcome.divergence) {
-      outcome.divergence = find_divergence(*summary.evaluation, loop.collector().poses(), *prepared.reference);
+      outcome.divergence = find_divergence(loop.collector().poses(), *prepared.reference);
     }
   }
   judge(summary, outcome);

@@ -148,6 +148,9 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.texts("outputs", study.outputs, {"dense", "map", "world"},
           "large files that stay: every state of a run (`aslio run --dense`), its map (map.ply), the surfaces of the "
           "simulated world (world.ply)");
+  b.flag(
+      "stop_when_diverged", study.stop_when_diverged,
+      "end runs once they are lost for good (`aslio run --stop-when-diverged`): their figures are of the way to there");
   b.real("time_limit", study.time_limit, "s", {.above = 0.0, .max = 1e6}, "of a run; longer ones are ended");
   b.real("memory_limit", study.memory_limit, "MB", {.min = 1.0, .max = 1e7},
          "resident memory of a run; larger ones are ended");

@@ -71,6 +71,7 @@ std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const
                                  run.order_seed, method.resolved);
   // Where a run reads files of other runs, their keys stand for those: a change there is a change here.
   for (const std::size_t used : run.uses) text += runs[used].key + "\n";
+  if (study.config.stop_when_diverged) text += "stop when diverged\n";
   for (const std::string& output : study.config.outputs) text += "output " + output + "\n";
   for (std::string path : method.paths) {
     replace_all(path, kData, data_folder(study, run, runs_folder).string());

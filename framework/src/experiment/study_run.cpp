@@ -310,6 +310,7 @@ class Schedule {
     for (const std::string& assignment : overrides_of(study_, result_.runs, run, runs_folder_)) {
       arguments.insert(arguments.end(), {"--set", assignment});
     }
+    if (study_.config.stop_when_diverged) arguments.emplace_back("--stop-when-diverged");
     if (asks_for("dense")) arguments.emplace_back("--dense");
     if (asks_for("map")) arguments.insert(arguments.end(), {"--save-map", (folder / "map.ply").string()});
     arguments.insert(arguments.end(), options_.run_options.begin(), options_.run_options.end());

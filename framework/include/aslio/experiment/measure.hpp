@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "aslio/evaluation/evaluation.hpp"
 
@@ -28,8 +29,7 @@ inline constexpr double kDivergedError = 2.0;
 /// The first moment at which `poses` have diverged from the reference, and why. Errors at a moment are those after a
 /// rigid alignment of the positions up to that moment. The path is that of the reference. Poses that the evaluation
 /// could not match are passed over.
-std::optional<std::pair<TimeNs, std::string>> find_divergence(const evaluation::Evaluation& evaluation,
-                                                              std::span<const StampedPose> poses,
+std::optional<std::pair<TimeNs, std::string>> find_divergence(std::span<const StampedPose> poses,
                                                               const Trajectory& reference);
 
 /// Where a run is told to have failed as a whole, not midway: before this share of the way.
@@ -43,5 +43,26 @@ inline constexpr TimeNs kMostSilence = kSecond;
 /// failed. `other`: of a failure of another kind.
 std::optional<double> failed_after(std::span<const StampedPose> poses, const Trajectory& reference,
                                    std::optional<TimeNs> other);
+
+/// Tells during a run that it is lost for good: neither what find_divergence() nor what failed_after() say of its poses
+/// so far will change. Costs a look into the reference per pose while a run is well.
+class DivergenceWatch {
+ public:
+  /// `reference` must outlive it.
+  explicit DivergenceWatch(const Trajectory& reference);
+  /// `poses`: all so far. What find_divergence() says, once both have come.
+  std::optional<std::pair<TimeNs, std::string>> look(std::span<const StampedPose> poses);
+
+ private:
+  bool off_limits(const StampedPose& estimate) const;
+
+  const Trajectory& reference_;
+  TimeNs max_gap_ = 0;
+  std::vector<double> path_;  ///< of the reference up to each of its samples [m]
+  std::optional<Pose> laid_;  ///< of the estimate on the reference
+  std::size_t seen_ = 0;      ///< poses that have been looked at
+  bool failed_ = false;       ///< in the sense of failed_after()
+  TimeNs next_ = kTimeMin;    ///< of the next search for a divergence
+};
 
 }  // namespace aslio::experiment

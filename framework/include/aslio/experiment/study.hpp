@@ -71,6 +71,7 @@ struct StudyConfig {
   std::string baseline;
   std::vector<std::string> differs;  ///< those of every method
   std::vector<std::string> metrics{"ate_m", "ate_deg", "end_to_end_m"};
+  bool stop_when_diverged = false;   ///< RunOptions::stop_when_diverged
   std::vector<std::string> outputs;  ///< large ones that stay: "dense", "map", "world"
   double time_limit = 600;           ///< of a run [s]
   double memory_limit = 8000;        ///< resident memory of a run [MB]
