@@ -1,7 +1,9 @@
 /// What status a run deserves, and in which words.
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <random>
 
 #include "aslio/experiment/measure.hpp"
 #include "aslio/experiment/summary.hpp"
@@ -145,4 +147,45 @@ TEST_CASE("the share of the way after which a run has failed") {
   CHECK(failed_after(late, 50 * kSecond).value() == Approx(0.5));
   CHECK(failed_after(late).value() == Approx(1.0));
   CHECK(failed_after({}).value() == 0);
+}
+
+TEST_CASE("a watch ends a run when nothing can change any more, and never one that goes on") {
+  const Trajectory reference(walk());
+  std::size_t ended = 0, came_back = 0;
+  for (std::uint32_t k = 0; k < 500; ++k) {
+    CAPTURE(k);
+    std::mt19937 engine(k);
+    const auto draw = [&](std::size_t n) { return static_cast<std::size_t>(engine()) % n; };
+    // Drifts off at some time, by up to 1 m per step; every other time it is back at once after a while.
+    std::vector<StampedPose> poses = walk();
+    const std::size_t from = draw(poses.size()), to = k % 2 == 0 ? poses.size() : from + draw(100);
+    const double speed = 0.001 * static_cast<double>(draw(1000));
+    const Mat3 R = Eigen::AngleAxisd(0.01 * k, Vec3::UnitZ()).toRotationMatrix();
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (i >= from && i < to) poses[i].T.p.y() += speed * static_cast<double>(i - from);
+      poses[i].T = Pose{R * poses[i].T.R, R * poses[i].T.p + Vec3(3, 4, 5)};
+    }
+    const auto whole = divergence_of(poses);
+    const auto share = experiment::failed_after(poses, reference, {});
+    experiment::DivergenceWatch watch(reference);
+    std::optional<std::pair<TimeNs, std::string>> told;
+    std::size_t seen = 0;
+    while (!told && seen < poses.size()) told = watch.look({poses.data(), ++seen});
+    came_back += share && !whole ? 1U : 0U;
+    if (!told) {
+      // Both have come within the last second, or not at all.
+      if (whole && share) CHECK(seen == poses.size());
+      if (whole && share) CHECK(std::max(to_seconds(whole->first), 100.0 * *share) > 98.0);
+      continue;
+    }
+    ++ended;
+    REQUIRE(whole.has_value());
+    CHECK(*told == *whole);
+    const std::vector<StampedPose> cut(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(seen));
+    CHECK(experiment::failed_after(cut, reference, {}) == share);
+    CHECK(divergence_of(cut) == whole);
+    CHECK(to_seconds(cut.back().t) < std::max(to_seconds(whole->first), 100.0 * share.value()) + 1.2);
+  }
+  CHECK(ended > 100);
+  CHECK(came_back > 5);
 }

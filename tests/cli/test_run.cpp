@@ -140,3 +140,26 @@ TEST_CASE("progress is plain lines away from a terminal, and nothing with --quie
   CHECK(quiet.out.empty());
   CHECK(quiet.err.empty());
 }
+
+TEST_CASE("a run that is lost for good ends there on demand, and is judged as if it had gone on") {
+  const Bench bench;
+  write_truth(bench / "truth.tum");
+  auto truth = io::read_tum(bench / "truth.tum");
+  for (StampedPose& sample : truth) {  // it leaves at 20 m/s when 1.2 s have passed
+    sample.T.p.x() += 20 * std::max(0.0, to_seconds(sample.t - truth.front().t) - 1.2);
+  }
+  io::write_tum(bench / "truth.tum", truth);
+  const Ended whole = bench.run("whole", {"--reference", bench / "truth.tum"});
+  const Ended ended = bench.run("ended", {"--reference", bench / "truth.tum", "--stop-when-diverged"});
+  INFO(ended.err);
+  CHECK(whole.code == 1);
+  CHECK(ended.code == whole.code);
+  const Json a = json(bench / "whole/summary.json"), b = json(bench / "ended/summary.json");
+  CHECK(a.at("status") == "diverged");
+  CHECK(b.at("status") == "diverged");
+  CHECK(b.at("reason").get<std::string>() == a.at("reason").get<std::string>() + "; the run was ended there");
+  CHECK(b.at("metrics").at("failed_at") == a.at("metrics").at("failed_at"));
+  CHECK(b.at("updates").get<int>() < a.at("updates").get<int>());
+  CHECK(b.at("updates").get<int>() > 11);
+  CHECK(bench.run("none", {"--stop-when-diverged"}).code == 0);  // without a reference
+}

@@ -120,10 +120,12 @@ TEST_CASE("an interrupted study keeps what is finished and goes on from there") 
   CHECK(column(bench.folder / "out/results.csv", "status") == std::vector<std::string>(4, "ok"));
 }
 
-TEST_CASE("a schedule that has changed is replayed again, and large outputs stay") {
-  const Bench bench(head() + "datasets: [{scene: small.yaml, name: q}]\noutputs: [dense, map, world]\nmethods:\n" +
-                    method("fixed", "fixed_window") +
-                    method("replayed", "fixed_window", "set: {window: {type: replay, file: '{data}/mine.csv'}}"));
+TEST_CASE("a schedule that has changed is replayed again, and large outputs stay, and lost runs end on demand") {
+  const Bench bench(
+      head() +
+      "datasets: [{scene: small.yaml, name: q}]\noutputs: [dense, map, world]\nstop_when_diverged: true\nmethods:\n" +
+      method("fixed", "fixed_window") +
+      method("replayed", "fixed_window", "set: {window: {type: replay, file: '{data}/mine.csv'}}"));
   const Ended first = bench.run();  // the schedule is not there
   INFO(first.err);
   CHECK(first.code == 1);
@@ -131,6 +133,7 @@ TEST_CASE("a schedule that has changed is replayed again, and large outputs stay
     INFO(file);
     CHECK(fs::exists(bench.folder / "out" / file));
   }
+  CHECK_THAT(content(bench.folder / "out/runs/q_1/fixed/manifest.json"), Contains("--stop-when-diverged"));
   const std::string updates = content(bench.folder / "out/runs/q_1/fixed/updates.csv");
   write_text(bench.folder / "out/data/q_1/mine.csv", updates);
   CHECK_THAT(bench.run().err, Contains("[1/1] q_1/replayed: ok"));

@@ -169,11 +169,13 @@ TEST_CASE("what a killed study left of a run goes, and what belongs to a run of 
   CHECK(std::filesystem::exists(data / ".partial-scene_a_1-b-0a-1"));
 }
 
-TEST_CASE("large outputs are part of the key") {
+TEST_CASE("large outputs, and whether lost runs go on, are part of the key") {
   const StudyFiles files;
   const std::string text = head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("fixed", "fixed_window");
   const auto key = [&](const std::string& outputs) { return plan_runs(files.load(text + outputs), "program")[0].key; };
   CHECK(key("outputs: [dense]\n") != key(""));
   CHECK(key("outputs: [dense]\n") != key("outputs: [map]\n"));
+  CHECK(key("stop_when_diverged: true\n") != key(""));
+  CHECK(key("stop_when_diverged: false\n") == key(""));
   CHECK_THAT(files.complaint(text + "outputs: [pictures]\n"), Catch::Matchers::Contains("pictures"));
 }
