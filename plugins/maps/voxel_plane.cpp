@@ -333,10 +333,7 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   node.along = solver.eigenvectors().col(2).cast<float>();
   node.longest = static_cast<float>(variance[2]);
   node.shortest = static_cast<float>(variance[1]);
-  if (planar && closed(node)) {  // its parts will never be asked for
-    give_back(node);
-    node.children = kNone;
-  }
+  if (planar && closed(node)) give_back(node);  // its parts will never be asked for
 }
 
 /// eq. MAP-2.
@@ -348,10 +345,12 @@ double VoxelPlane::quality(const Node& node, const Eigen::Vector3f& p) const {
   return node.count / (node.count + params_.doubt * leverage);
 }
 
-void VoxelPlane::give_back(const Node& node) {
+/// The blocks below a node. One that is yet to be fitted, being below, must not give its own back again.
+void VoxelPlane::give_back(Node& node) {
   if (node.children == kNone) return;
   for (std::uint32_t i = 0; i < 8; ++i) give_back(nodes_[node.children + i]);
   free_blocks_.push_back(node.children);
+  node.children = kNone;
 }
 
 /// Both parts of a voxel, by the number of the first.

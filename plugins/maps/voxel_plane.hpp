@@ -103,7 +103,7 @@ class VoxelPlane final : public Map {
   void unite(std::uint32_t first);
   void release(std::uint32_t root);
   std::uint32_t take_children();
-  void give_back(const Node& node);
+  void give_back(Node& node);
   bool add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view);
   static void sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view);
   void fit(Node& node, std::uint32_t stamp);

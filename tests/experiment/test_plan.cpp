@@ -176,6 +176,11 @@ TEST_CASE("large outputs, and whether lost runs go on, are part of the key") {
   CHECK(key("outputs: [dense]\n") != key(""));
   CHECK(key("outputs: [dense]\n") != key("outputs: [map]\n"));
   CHECK(key("stop_when_diverged: true\n") != key(""));
+  CHECK_THAT(
+      files.complaint(
+          text + method("again", "fixed_window", "set: {window: {type: replay, file: '{run:fixed}/updates.csv'}}") +
+          "stop_when_diverged: true\n"),
+      Catch::Matchers::Contains("{run:fixed}: does not go with stop_when_diverged"));
   CHECK(key("stop_when_diverged: false\n") == key(""));
   CHECK_THAT(files.complaint(text + "outputs: [pictures]\n"), Catch::Matchers::Contains("pictures"));
 }

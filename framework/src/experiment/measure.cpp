@@ -134,16 +134,22 @@ DivergenceWatch::DivergenceWatch(const Trajectory& reference)
     : reference_(reference), max_gap_(reference_gap(reference)), path_(travelled(reference)) {}
 
 std::optional<std::pair<TimeNs, std::string>> DivergenceWatch::look(std::span<const StampedPose> poses) {
-  if (poses.empty() || reference_.samples().size() < 2) return std::nullopt;
+  if (poses.size() == looked_) return std::nullopt;
+  looked_ = poses.size();
+  if (reference_.samples().size() < 2) return std::nullopt;
   const TimeNs now = poses.back().t;
   if (!laid_) {
-    const auto first = std::find_if(poses.begin(), poses.end(),
-                                    [&](const StampedPose& p) { return reference_.pose(p.t, max_gap_).has_value(); });
-    if (first == poses.end() || now <= first->t + kSecond) return std::nullopt;
+    for (; seen_ < poses.size() && !first_; ++seen_) {
+      if (reference_.pose(poses[seen_].t, max_gap_)) first_ = poses[seen_].t;
+    }
+    if (!first_ || now <= *first_ + kSecond) return std::nullopt;
     laid_ = laid_on(poses, reference_, max_gap_);
+    seen_ = 0;
   }
-  for (; seen_ < poses.size() && !failed_; ++seen_) failed_ = off_limits(poses[seen_]);
-  if (!failed_ || now < next_) return std::nullopt;
+  for (; seen_ < poses.size() && !failed_; ++seen_) {
+    if (off_limits(poses[seen_])) failed_ = poses[seen_].t;
+  }
+  if (!failed_ || now <= *failed_ + kMostSilence || now < next_) return std::nullopt;
   next_ = now + kSecond;
   return find_divergence(poses, reference_);
 }

@@ -159,6 +159,8 @@ class Loop {
 
   const SummaryCollector& collector() const { return collector_; }
   bool bad_data() const { return bad_data_; }
+  /// Before the data were, by a DivergenceWatch.
+  bool was_ended() const { return was_ended_; }
 
  private:
   template <class F>
@@ -192,6 +194,7 @@ class Loop {
   std::optional<std::pair<TimeNs, std::string>> watch() {
     if (!watch_) return std::nullopt;
     auto found = watch_->look(collector_.poses());
+    was_ended_ = found.has_value();
     if (found) found->second += "; the run was ended there";
     return found;
   }
@@ -203,7 +206,7 @@ class Loop {
   SummaryCollector collector_;
   ProgressFeed feed_;
   std::optional<DivergenceWatch> watch_;
-  bool bad_data_ = false;
+  bool bad_data_ = false, was_ended_ = false;
 };
 
 /// Whether the data, not the method, is to blame.
@@ -235,12 +238,13 @@ void measure(Summary& summary, const std::vector<StampedPose>& poses, const Traj
 }
 
 /// Pre: the run has been judged.
-void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference) {
+/// `was_ended`: by a DivergenceWatch.
+void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference, bool was_ended) {
   if (reference.samples().empty()) return;
   const auto& poses = collector.poses();
   // A run that was ended when it diverged is not silent for the rest of its reference.
-  const bool ended = summary.status == pipeline::RunStatus::diverged && !poses.empty();
-  std::optional<TimeNs> other = collector.lost_at(ended ? poses.back().t : reference.samples().back().t);
+  const TimeNs end = reference.samples().back().t;
+  std::optional<TimeNs> other = collector.lost_at(was_ended ? std::min(end, poses.back().t) : end);
   const bool good = summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded;
   if (!good && !poses.empty()) other = std::min(other.value_or(kTimeMax), poses.back().t);
   summary.failed_at = failed_after(poses, reference, other);
@@ -279,12 +283,10 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   summary.peak_rss_mb = peak_rss_mb();
   if (prepared.reference) {
     measure(summary, loop.collector().poses(), *prepared.reference);
-    if (summary.evaluation && !outcome.divergence) {
-      outcome.divergence = find_divergence(loop.collector().poses(), *prepared.reference);
-    }
+    if (!outcome.divergence) outcome.divergence = find_divergence(loop.collector().poses(), *prepared.reference);
   }
   judge(summary, outcome);
-  if (prepared.reference) mark_failure(summary, loop.collector(), *prepared.reference);
+  if (prepared.reference) mark_failure(summary, loop.collector(), *prepared.reference, loop.was_ended());
   result.bad_data = blames_data(summary, loop.bad_data());
 
   write_file(options.output / "resolved.yaml", prepared.pipeline.resolved);

@@ -343,6 +343,13 @@ class Reader {
                                     method.name, names_so_far()));
           return false;
         }
+        if (study_.config.stop_when_diverged) {
+          problems_.add(place("methods", index, "set"),
+                        fmt::format("{{run:{}}}: does not go with stop_when_diverged: the file of a run that was ended "
+                                    "is cut off; leave the key out",
+                                    name));
+          return false;
+        }
         const std::pair<std::string, std::size_t> use(name, *used);
         if (std::find(method.uses.begin(), method.uses.end(), use) == method.uses.end()) method.uses.push_back(use);
       }

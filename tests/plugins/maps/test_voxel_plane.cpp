@@ -93,6 +93,40 @@ TEST_CASE("voxel_plane: far from the origin planes are as exact, and beyond the 
   CHECK_FALSE(planes.at_point({0.25, 0.25, 0.2}).valid);
 }
 
+TEST_CASE("voxel_plane: a voxel whose levels are all closed by one insertion gives each of its blocks back once") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 3, min_points: 10, max_points: 500, faces: false}");
+  const auto thick = [&](int count) {
+    std::vector<WorldPoint> points;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 p = planes.uniform.in_box({0.25, 0.25, 0}, 0.2);
+      points.push_back(at(planes.corner + Vec3(p.x(), p.y(), 0.25 + 0.3 * p.z())));
+    }
+    planes.map->insert(points, 1);
+  };
+  for (const int count : {12, 15, 15}) thick(count);  // no plane: each level begins the one below
+  planes.floor(0.01, 0.49, 0.25, 1200);               // half of them in that octant: all are closed at once
+  REQUIRE(planes.at_point({0.25, 0.25, 0.25}).valid);
+  // Voxels that share a block would spoil each other's planes.
+  const Vec3 corner = planes.corner;
+  for (int round = 0; round < 6; ++round) {
+    for (int k = 1; k <= 6; ++k) {
+      planes.corner = corner + Vec3(0, 0, 2 * k);
+      planes.floor(0.0, 0.5, 0.1 * k, 60);
+      planes.floor(0.5, 1.0, 0.1 * k + 0.15, 60);
+    }
+  }
+  for (int k = 1; k <= 6; ++k) {
+    CAPTURE(k);
+    planes.corner = corner + Vec3(0, 0, 2 * k);
+    for (const double x : {0.25, 0.75}) {
+      const double z = 0.1 * k + (x > 0.5 ? 0.15 : 0.0);
+      const Surface found = planes.at_point({x, 0.25, z});
+      REQUIRE(found.valid);
+      CHECK(std::abs(found.anchor.z() - z) < 1e-5);
+    }
+  }
+}
+
 TEST_CASE("voxel_plane: a clump or a line is no plane, whatever the rounding says of its thickness") {
   for (const Vec3& along : {Vec3(0, 0, 0), Vec3(0.3, 0.2, 0.1), Vec3(0.45, 0, 0)}) {
     CAPTURE(along.transpose());

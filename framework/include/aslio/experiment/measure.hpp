@@ -45,12 +45,14 @@ std::optional<double> failed_after(std::span<const StampedPose> poses, const Tra
                                    std::optional<TimeNs> other);
 
 /// Tells during a run that it is lost for good: neither what find_divergence() nor what failed_after() say of its poses
-/// so far will change. Costs a look into the reference per pose while a run is well.
+/// so far will change. Costs a look into the reference per pose until the position is off; from then on, and until
+/// find_divergence() agrees, one of its searches per second of data.
 class DivergenceWatch {
  public:
   /// `reference` must outlive it.
   explicit DivergenceWatch(const Trajectory& reference);
-  /// `poses`: all so far. What find_divergence() says, once both have come.
+  /// `poses`: all so far. What find_divergence() says, once both have come and kMostSilence has passed: by then a
+  /// silence that began before, and is what failed first, is known to be one.
   std::optional<std::pair<TimeNs, std::string>> look(std::span<const StampedPose> poses);
 
  private:
@@ -58,11 +60,13 @@ class DivergenceWatch {
 
   const Trajectory& reference_;
   TimeNs max_gap_ = 0;
-  std::vector<double> path_;  ///< of the reference up to each of its samples [m]
-  std::optional<Pose> laid_;  ///< of the estimate on the reference
-  std::size_t seen_ = 0;      ///< poses that have been looked at
-  bool failed_ = false;       ///< in the sense of failed_after()
-  TimeNs next_ = kTimeMin;    ///< of the next search for a divergence
+  std::vector<double> path_;      ///< of the reference up to each of its samples [m]
+  std::optional<Pose> laid_;      ///< of the estimate on the reference
+  std::size_t looked_ = 0;        ///< poses at the last look
+  std::optional<TimeNs> first_;   ///< pose that the reference covers
+  std::size_t seen_ = 0;          ///< poses that have been looked at, for first_, then for failed_
+  std::optional<TimeNs> failed_;  ///< in the sense of failed_after()
+  TimeNs next_ = kTimeMin;        ///< of the next search for a divergence
 };
 
 }  // namespace aslio::experiment
