@@ -18,6 +18,7 @@ install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/tests/main.cpp ${CMAKE_CURRENT_SOURCE_
         DESTINATION ${aslio_data_dir}/contract)
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/tests/plugins DESTINATION ${aslio_data_dir}/contract
         FILES_MATCHING PATTERN "*.hpp" PATTERN "*contract*.cpp" PATTERN "tiling_property_test.cpp" PATTERN "test_motions.cpp"
-        PATTERN "test_map_surfaces.cpp" PATTERN "allocation_count.cpp")
+        PATTERN "test_map_surfaces.cpp" PATTERN "allocation_count.cpp"
+        PATTERN "every_map.hpp" EXCLUDE PATTERN "smooth_motion.hpp" EXCLUDE)  # they know stages of the library
 install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/tests/pipeline/runs.hpp ${CMAKE_CURRENT_SOURCE_DIR}/tests/pipeline/runs.cpp
         DESTINATION ${aslio_data_dir}/contract/pipeline)

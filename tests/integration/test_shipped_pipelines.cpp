@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 
 #include "aslio/evaluation/evaluation.hpp"
@@ -44,6 +45,52 @@ std::vector<std::string> shipped_names() {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+/// What a pipeline without IMU does on the quickstart scene today, with room for other roundings.
+struct NarrowView {
+  std::size_t least_updates, most_updates;
+  bool lost;               ///< by its own word
+  double good_for;         ///< [s] of data within the next
+  double good_position_m;  ///< RMSE after alignment
+  double position_m;       ///< RMSE of the whole run after alignment
+};
+
+/// The narrow view of a corridor loses them, each in its own place, so that no bound on the whole walk would say much;
+/// the part before it does. The walk stands for 1 s and has 269 updates in 26.85 s. Seen, in brackets over 11 runs with
+/// the points moved by at most a float's last bit: what another compiler may do.
+///  - ct_icp: 0.057 m until 21 s (0.046 to 0.058), off in the last corner but one: 0.47 m (0.71 to 1.24) in the end.
+///    A single step per solve has 4.4 m by then.
+///  - kiss_icp: along the first corridor 0.29 m until 4 s, of which one that stands still would have 1.08 m; then no
+///    matches, and lost at update 52 (the same each time; with other noise 98 to 170). Without its kernel 0.40 m.
+///  - loam: 0.044 m until 9 s (0.031 to 0.065), in the next corner off by 2.5 m without noticing: 1.4 m (1.3 to 1.5).
+///    Without its map 0.77 m until 9 s, with one search in it 0.40 m.
+/// A better end is welcome, and then written here.
+NarrowView narrow_view_of(const std::string& name) {
+  static const std::map<std::string, NarrowView> known{{"ct_icp", {265, 269, false, 21.0, 0.08, 1.8}},
+                                                       {"kiss_icp", {46, 58, true, 4.0, 0.35, 0.5}},
+                                                       {"loam", {265, 269, false, 9.0, 0.09, 2.0}}};
+  const auto found = known.find(name);
+  if (found == known.end()) FAIL("no bounds are known of a narrow view without IMU by " << name);
+  return found->second;
+}
+
+/// Translation RMSE [m] after alignment of the poses of the first `seconds` of the truth.
+double position_error(const Run& run, const Trajectory& truth, double seconds) {
+  std::vector<StampedPose> poses;
+  for (const StampedPose& pose : run.trajectory().samples()) {
+    if (pose.t <= truth.begin_time() + to_ns(seconds)) poses.push_back(pose);
+  }
+  return evaluation::evaluate(Trajectory(std::move(poses)), truth).ate.translation.rmse;
+}
+
+void check_narrow_view(const Run& run, const Trajectory& truth, const NarrowView& bound) {
+  CHECK(run.updates.size() >= bound.least_updates);
+  CHECK(run.updates.size() <= bound.most_updates);
+  CHECK(run.odometry.divergence().has_value() == bound.lost);
+  CHECK((run.odometry.tracking() == TrackingStatus::lost) == bound.lost);
+  CHECK(position_error(run, truth, bound.good_for) < bound.good_position_m);
+  CHECK(position_error(run, truth, 1e6) < bound.position_m);
 }
 
 /// A hall of 40 x 30 x 15 m seen all round by 20 rings of 1000 points each 0.1 s, on a circle of 5 m at 2 m/s.
@@ -148,7 +195,8 @@ TEST_CASE("every shipped pipeline with an IMU follows the walk to its end") {
   }
 }
 
-TEST_CASE("every shipped pipeline runs on the whole quickstart scene, and with an IMU follows it to its end") {
+TEST_CASE(
+    "every shipped pipeline on the whole quickstart scene: with an IMU to its end, without as far as it is known to") {
   const simulator::SceneFile scene = simulator::load_scene(ASLIO_SOURCE_DIR "/configs/scenes/quickstart.yaml");
   const simulator::Simulation simulation(scene, {.seed = 1});
   const Recording recording = record(simulation, 3600.0);
@@ -160,8 +208,8 @@ TEST_CASE("every shipped pipeline runs on the whole quickstart scene, and with a
     for (const auto& update : run.updates) {
       REQUIRE((update.state.R.allFinite() && update.state.p.allFinite() && update.state.v.allFinite()));
     }
-    if (!uses_imu(name)) {  // a narrow view alone may lose the walk: kiss_icp and loam do
-      if (name == "ct_icp") CHECK_FALSE(run.odometry.divergence());
+    if (!uses_imu(name)) {
+      check_narrow_view(run, simulation.truth(), narrow_view_of(name));
       continue;
     }
     CHECK_FALSE(run.odometry.divergence());

@@ -40,7 +40,7 @@ struct Nearest {
 void MyStage::describe(config::Binder& b, Params& p) {
   b.real("cube", p.cube, "m", {.min = 0.1, .max = 100.0}, "edge of a cube; about the distance that is searched");
   b.real("min_spacing", p.min_spacing, "m", {.min = 0.0, .max = 10.0},
-         "points nearer than this to one of their cube stay out");
+         "points nearer than this to one of their cube stay out (0: none does)");
   b.real("radius", p.radius, "m", {.min = 1.0, .max = 10000.0}, "points farther than this are forgotten");
 }
 

@@ -1,11 +1,12 @@
 #pragma once
-/// Every map against brute force, bit by bit. All coordinates are multiples of 2^-10 m and distances stay below 1 m, so
+/// Every map against brute force, bit by bit. All coordinates are multiples of 2^-10 m and distances stay below 4 m, so
 /// that offsets and squared distances are exact in float and ties are ties.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
-#include <memory>
+#include <functional>
+#include <limits>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -34,6 +35,25 @@ class Draw {
   std::mt19937_64 engine_;
 };
 
+/// Which of the points within reach a map looks at.
+struct Sight {
+  bool tells_kinds = false;                                             ///< lines alone, or all else
+  std::function<bool(const Vec3& query, const Vec3& point)> sees = {};  ///< unset: all of them
+};
+
+/// Before another by coordinates: an order in which equal points stand together.
+inline bool before_by_place(const Vec3& a, const Vec3& b) {
+  return std::tuple(a.x(), a.y(), a.z()) < std::tuple(b.x(), b.y(), b.z());
+}
+
+/// What the map holds, in that order.
+inline std::vector<Vec3> sorted_contents(const Map& map) {
+  std::vector<Vec3> points;
+  map.visit([&](const Vec3& p) { points.push_back(p); });
+  std::sort(points.begin(), points.end(), before_by_place);
+  return points;
+}
+
 /// The points a map should hold, in order of insertion.
 class GridOracle {
  public:
@@ -50,37 +70,28 @@ class GridOracle {
 
   /// Same points in the map, all of them visited.
   void check_contents(const Map& map) const {
-    std::vector<Vec3> expected, visited;
+    std::vector<Vec3> expected;
     for (const Held& held : held_) expected.push_back(held.p);
-    map.visit([&](const Vec3& p) { visited.push_back(p); });
-    const auto before = [](const Vec3& a, const Vec3& b) {
-      return std::tuple(a.x(), a.y(), a.z()) < std::tuple(b.x(), b.y(), b.z());
-    };
-    std::sort(expected.begin(), expected.end(), before);
-    std::sort(visited.begin(), visited.end(), before);
+    std::sort(expected.begin(), expected.end(), before_by_place);
     REQUIRE(map.size() == held_.size());
-    REQUIRE(visited == expected);
+    REQUIRE(sorted_contents(map) == expected);
   }
 
-  /// Same neighbours in the same order with the same bits, of the kind asked for if the map tells kinds apart.
-  /// Pre: ask.max_distance <= 1.
-  void check_neighbours(const Map& map, const std::vector<Vec3>& queries, const MapQuery& ask,
-                        bool tells_kinds = false) const {
+  /// Same neighbours in the same order with the same bits. Returns of how many queries a point that the map does
+  /// not look at would have been among them. Pre: ask.max_distance <= 4 m.
+  std::size_t check_neighbours(const Map& map, const std::vector<Vec3>& queries, const MapQuery& ask,
+                               const Sight& sight = {}) const {
     Neighbours found;
     map.correspond(queries, ask, found);
     REQUIRE(found.size() == queries.size());
     std::vector<std::pair<double, std::size_t>> near;  // squared distance, place in order of insertion
+    std::size_t cut_off = 0;
     for (std::size_t i = 0; i < queries.size(); ++i) {
-      near.clear();
-      for (std::size_t n = 0; n < held_.size(); ++n) {
-        if (tells_kinds && held_[n].kind != feature_class::kind(ask.feature)) continue;
-        const double squared = (held_[n].p - queries[i]).squaredNorm();
-        if (squared <= ask.max_distance * ask.max_distance && held_[n].stamp <= ask.max_stamp) {
-          near.emplace_back(squared, n);
-        }
-      }
-      std::sort(near.begin(), near.end());
-      bool same = found.count[i] == std::min(near.size(), static_cast<std::size_t>(ask.k));
+      const double nearest_hidden = look(queries[i], ask, sight, near);
+      const auto k = static_cast<std::size_t>(ask.k);
+      const double last = near.size() < k ? std::numeric_limits<double>::infinity() : near[k - 1].first;
+      cut_off += nearest_hidden < last ? 1U : 0U;
+      bool same = found.count[i] == std::min(near.size(), k);
       for (std::size_t j = 0; same && j < found.count[i]; ++j) {
         const Vec3 offset = held_[near[j].second].p - queries[i];
         same = found.offset(i, j).cast<double>() == offset &&
@@ -88,6 +99,7 @@ class GridOracle {
       }
       REQUIRE(same);
     }
+    return cut_off;
   }
 
  private:
@@ -96,6 +108,26 @@ class GridOracle {
     std::uint32_t stamp;
     std::uint8_t kind;
   };
+
+  /// Squared distances and places of what is near and seen, ascending; the squared distance of the nearest unseen.
+  double look(const Vec3& query, const MapQuery& ask, const Sight& sight,
+              std::vector<std::pair<double, std::size_t>>& near) const {
+    near.clear();
+    double nearest_hidden = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 0; n < held_.size(); ++n) {
+      if (sight.tells_kinds && held_[n].kind != feature_class::kind(ask.feature)) continue;
+      const double squared = (held_[n].p - query).squaredNorm();
+      if (squared > ask.max_distance * ask.max_distance || held_[n].stamp > ask.max_stamp) continue;
+      if (!sight.sees || sight.sees(query, held_[n].p)) {
+        near.emplace_back(squared, n);
+      } else {
+        nearest_hidden = std::min(nearest_hidden, squared);
+      }
+    }
+    std::sort(near.begin(), near.end());
+    return nearest_hidden;
+  }
+
   std::vector<Held> held_;
 };
 
@@ -113,6 +145,16 @@ inline std::vector<WorldPoint> draw_batch(Draw& draw, const Vec3& centre, int mo
     }
     if (kind == 2) p = start + Vec3(static_cast<double>(i) / 256.0, 0, 0);
     if (kind == 3) p = few[i % 2];
+  }
+  return batch;
+}
+
+/// Pairs that are equally far from the first point, on either side of it.
+inline std::vector<WorldPoint> draw_mirrored_batch(Draw& draw, const Vec3& centre) {
+  std::vector<WorldPoint> batch(static_cast<std::size_t>(draw(3, 200)));
+  batch[0].p_W = draw.near(centre, 6);
+  for (std::size_t i = 1; i < batch.size(); ++i) {
+    batch[i].p_W = i % 2 == 1 ? draw.near(batch[0].p_W, 1) : 2.0 * batch[0].p_W - batch[i - 1].p_W;
   }
   return batch;
 }

@@ -7,6 +7,7 @@
 #include "maps/ivox.hpp"
 #include "plugins/build_environment.hpp"
 #include "plugins/maps/map_fixture.hpp"
+#include "plugins/maps/oracle_sequence.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -58,6 +59,27 @@ TEST_CASE("ivox finds the nearest of the voxels it sees and nothing else, for ev
         if (found.count[i] < 7 || seen[6] > all[6] + 1e-9) ++cut_off;
       }
       CHECK((nearby == 26 || cut_off > 0));
+    }
+  }
+}
+
+// With the voxels and neighbourhoods of the shipped pipelines, and as far as they ask (2.236 m, or nearly).
+TEST_CASE("ivox over random lives of 1e5 points: bit for bit the neighbours among the voxels a query sees") {
+  struct Setting {
+    double voxel;
+    int nearby;
+  };
+  BuildEnvironment environment;
+  for (const Setting& setting : {Setting{0.5, 18}, Setting{2.0, 6}, Setting{0.5, 0}}) {
+    for (const Vec3& centre : {Vec3(0, 0, 0), Vec3(100000, -50000, 1000)}) {
+      CAPTURE(setting.voxel, setting.nearby, centre.transpose());
+      Ivox map({.voxel = setting.voxel, .nearby = setting.nearby, .radius = 20.0}, environment.context());
+      const auto within_sight = [&](const Vec3& query, const Vec3& point) {
+        return sees(cell(query, setting.voxel), cell(point, setting.voxel), setting.nearby);
+      };
+      const Life life{.total = 100000, .centre = centre, .seed = 12, .beyond = 3.0 * setting.voxel, .most_quarters = 9};
+      const std::size_t cut_off = check_random_life(map, life, {.sees = within_sight});
+      CHECK(cut_off > 50);  // seen: 121 to 227
     }
   }
 }

@@ -1,46 +1,11 @@
 // What every registered map promises (stages/map.hpp), with its default parameters.
-#include <algorithm>
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <limits>
 
 #include "plugins/maps/map_fixture.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
-
-namespace {
-
-/// Squared distances within reach, ascending.
-std::vector<double> brute_force(const std::vector<Vec3>& points, const Vec3& query, double max_distance) {
-  std::vector<double> squared;
-  for (const Vec3& p : points) {
-    if ((p - query).norm() <= max_distance) squared.push_back((p - query).squaredNorm());
-  }
-  std::sort(squared.begin(), squared.end());
-  return squared;
-}
-
-void check_against_brute_force(const Map& map, const std::vector<Vec3>& queries, const MapQuery& ask) {
-  const auto points = contents(map);
-  REQUIRE(points.size() == map.size());
-  Neighbours found;
-  map.correspond(queries, ask, found);
-  REQUIRE(found.size() == queries.size());
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    const auto expected = brute_force(points, queries[i], ask.max_distance);
-    REQUIRE(found.count[i] == std::min(expected.size(), static_cast<std::size_t>(ask.k)));
-    for (std::size_t j = 0; j < found.count[i]; ++j) {
-      REQUIRE(std::abs(found.squared[i * found.k() + j] - expected[j]) < 2e-6);
-      const Vec3 offset = found.offset(i, j).cast<double>();
-      REQUIRE(std::abs(offset.squaredNorm() - expected[j]) < 2e-6);
-      const Vec3 p = queries[i] + offset;
-      REQUIRE(std::any_of(points.begin(), points.end(), [&](const Vec3& q) { return (q - p).norm() < 1e-5; }));
-    }
-  }
-}
-
-}  // namespace
 
 TEST_CASE("every map of points: neighbours equal brute force over insertions and trims, near and far from the origin") {
   EveryMap fixture;
@@ -69,7 +34,7 @@ TEST_CASE("every map of points: neighbours equal brute force over insertions and
         MapQuery ask;
         for (const int k : {1, 5, 20}) {
           ask.k = k;
-          check_against_brute_force(*map, queries, ask);
+          check_against_visit(*map, queries, ask);
         }
       }
       REQUIRE(offered == 60000);
