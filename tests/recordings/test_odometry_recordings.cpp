@@ -70,14 +70,14 @@ std::vector<double> calm_rates(const std::vector<Step>& steps, const Trajectory&
 }
 
 /// CPU seconds per second of data, the best of three runs: whatever else runs on the machine only adds to it.
-double least_cost(const std::string& pipeline) {
-  double least = run_on_avia(pipeline).cpu_per_s();
-  for (int i = 0; i < 2; ++i) least = std::min(least, run_on_avia(pipeline).cpu_per_s());
+double least_cost(const std::string& pipeline, const std::vector<std::string>& overrides) {
+  double least = run_on_avia(pipeline, 1, overrides).cpu_per_s();
+  for (int i = 0; i < 2; ++i) least = std::min(least, run_on_avia(pipeline, 1, overrides).cpu_per_s());
   return least;
 }
 
-void check_cost(const std::string& pipeline, double limit) {
-  const double cost = least_cost(pipeline);
+void check_cost(const std::string& pipeline, double limit, const std::vector<std::string>& overrides = {}) {
+  const double cost = least_cost(pipeline, overrides);
   CHECK(cost > 0);
   if (kCostCounts) {
     CHECK(cost <= limit);
@@ -255,6 +255,18 @@ void check_published(const Published& system) {
 
 TEST_CASE("fast_lio2 does as well as the published program and costs half of it") { check_published(kFastLio2); }
 
+TEST_CASE("fast_lio2 blind to 4 m does as well as the published program's run with that range and costs half of it") {
+  const std::vector<std::string> blind{"samplers.0.min=4"};
+  std::vector<double> ates;
+  for (const std::uint64_t phase : {0, 1, 2}) {
+    const RecordedRun run = run_on_avia("fast_lio2", 1, blind, phase);
+    check_whole(run);
+    ates.push_back(run.ate_m());
+  }
+  CHECK(median(ates) <= 0.125);  // a quarter more than the 0.100 m of its published run
+  check_cost("fast_lio2", 0.0185, blind);
+}
+
 TEST_CASE("faster_lio does as well as the published program and costs half of it") { check_published(kFasterLio); }
 
 TEST_CASE("point_lio does as well as the published program and costs half of it") { check_published(kPointLio); }
@@ -281,9 +293,9 @@ TEST_CASE("the systems without a published run stay whole on the corridor and ne
   };
   // As docs/systems.md has them, and a quarter or 1 cm more, whichever is larger.
   for (const Limits& limits :
-       {Limits{"ct_icp_imu", 0.031, 0.04}, Limits{"sr_lio", 0.073, 0.041}, Limits{"fr_lio", 0.029, 0.047},
-        Limits{"as_lio_on_ct_icp", 0.029, 0.056}, Limits{"as_lio_on_ivox", 0.017, 0.036},
-        Limits{"as_lio_on_pointwise_eskf", 0.026, 0.031}, Limits{"as_lio_on_smoother", 0.015, 0.037}}) {
+       {Limits{"ct_icp_imu", 0.031, 0.037}, Limits{"sr_lio", 0.073, 0.041}, Limits{"fr_lio", 0.029, 0.047},
+        Limits{"as_lio_on_ct_icp", 0.019, 0.055}, Limits{"as_lio_on_ivox", 0.017, 0.035},
+        Limits{"as_lio_on_pointwise_eskf", 0.026, 0.032}, Limits{"as_lio_on_smoother", 0.015, 0.034}}) {
     INFO(limits.pipeline);
     const RecordedRun run = run_on_avia(limits.pipeline);
     check_whole(run);

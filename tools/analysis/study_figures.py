@@ -72,7 +72,8 @@ class Figures:
                     middles.append(f"{x - 0.36 / count} {middle} {0.72 / count} 0")
             data += block(f"runs{m}", points or ["NaN NaN 7"]) + block(f"medians{m}", middles or ["NaN NaN NaN NaN"])
             plots += [f"$runs{m} using 1:2:3 with points pt variable ps 0.45 {colour} notitle",
-                      f"$medians{m} with vectors nohead lw 2.5 {colour} title {quoted(method)}"]
+                      f"$medians{m} with vectors nohead lw 2.5 {colour} notitle",
+                      f"NaN with points pt {7 + 2 * (m // len(COLOURS))} ps 0.8 {colour} title {quoted(method)}"]
         tics = ", ".join(f"{quoted(sequence)} {s}" for s, sequence in enumerate(self.study.sequences))
         return data + "\n".join([
             "set logscale y", f"set ytics ({round_values(low, high)})", f"set ylabel {quoted(self.label)} noenhanced", "set grid ytics lc rgb '#e5e7eb'", "set key outside right noenhanced",
