@@ -1,4 +1,5 @@
 """The table of docs/systems.md: what a row says of runs that were lost, and where it goes."""
+import argparse
 import contextlib
 import io
 import pathlib
@@ -24,8 +25,18 @@ class Systems(unittest.TestCase):
         self.assertEqual(len(row), len(systems.HEAD))
 
     def test_row_of_a_system_that_is_lost(self):
-        row = systems.row(pathlib.Path("b.yaml"), [summary("diverged", 9.0)], (summary("diverged"), 7.0, "b"))
+        row = systems.row(pathlib.Path("b.yaml"), [summary("diverged", 9.0)], (summary("diverged"), None, "b"))
         self.assertEqual(row, ["`b`", "x", "-", "x", "diverged, 1 of 1 lost", "-", "diverged", "`b`", "-"])
+
+    def test_drive_is_held_against_its_own_trajectory_if_one_is_published(self):
+        with tempfile.TemporaryDirectory() as folder:
+            options = argparse.Namespace(aslio="x", drive="x", output=pathlib.Path(folder), published=pathlib.Path(folder))
+            (options.published / "kiss_icp.tum").touch()
+            with mock.patch.object(systems, "lidar_ate", lambda *_: 0.5):
+                for name, status, expected in (("kiss_icp", "ok", (0.5, "kiss_icp")), ("kiss_icp", "diverged", (None, "kiss_icp")),
+                                               ("loam", "degraded", (0.02, "fast_lio2")), ("loam", "diverged", (None, "fast_lio2"))):
+                    with mock.patch.object(systems, "run", lambda *_, status=status: summary(status)):
+                        self.assertEqual(systems.drive(options, pathlib.Path(f"{name}.yaml"))[1:], expected)
 
     def test_table_replaces_what_stands_between_the_marks_alone(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -58,6 +58,10 @@ def lidar_ate(aslio, folder, reference):
     return found["ate_m"]
 
 
+def held(summary):
+    return summary["status"] in ("ok", "degraded")
+
+
 def cost(summaries):
     """The least of the runs that held: whatever else runs on the machine only adds to it."""
     return f"{min(s['cpu_s'] / s['data_s'] for s in summaries):.3f}" if summaries else "-"
@@ -70,28 +74,29 @@ def corridor(options, pipeline):
 
 
 def drive(options, pipeline):
-    """Summary of the run, ATE [m] to the published trajectory, and whose that is."""
+    """Summary of the run, ATE [m] to the published trajectory (None when it was lost), and whose that is."""
     own = options.published / f"{pipeline.stem}.tum"
     reference = own if own.exists() else options.published / "fast_lio2.tum"
     folder = options.output / "drive" / pipeline.stem
     summary = run(options.aslio, pipeline, options.drive, "kitti_hdl64.yaml", reference, folder)
+    if not held(summary):
+        return summary, None, reference.stem
     ate = lidar_ate(options.aslio, folder, reference) if reference.stem == "kiss_icp" else summary["metrics"]["ate_m"]
     return summary, ate, reference.stem
 
 
 def row(pipeline, beginnings, driven):
-    ended = [s for s in beginnings if s["status"] in ("ok", "degraded")]
+    ended = [s for s in beginnings if held(s)]
     lost = len(beginnings) - len(ended)
     ates = [s["metrics"]["ate_m"] for s in ended]
     first = beginnings[0]
-    whole = first["status"] in ("ok", "degraded")
+    whole = held(first)
     spread = f"{statistics.median(ates):.3f} ({min(ates):.3f} to {max(ates):.3f})" if ates else "-"
     summary, ate, whose = driven
     return [f"`{pipeline.stem}`", f"{first['metrics']['ate_m']:.3f}" if whole else "x", spread,
             f"{first['metrics']['ate_deg']:.2f}" if whole else "x",
             f"{first['status']}{f', {lost} of {len(beginnings)} lost' if lost else ''}", cost(ended),
-            f"{ate:.3f}" if summary["status"] in ("ok", "degraded") else summary["status"], f"`{whose}`",
-            cost([s for s in [summary] if s["status"] in ("ok", "degraded")])]
+            summary["status"] if ate is None else f"{ate:.3f}", f"`{whose}`", cost([] if ate is None else [summary])]
 
 
 def main():

@@ -63,7 +63,8 @@ TEST_CASE("ivox finds the nearest of the voxels it sees and nothing else, for ev
   }
 }
 
-// With the voxels and neighbourhoods of the shipped pipelines, and as far as they ask (2.236 m, or nearly).
+// With the voxels and neighbourhoods of the shipped pipelines, one without neighbours, and as far as they ask (2.236 m,
+// or nearly).
 TEST_CASE("ivox over random lives of 1e5 points: bit for bit the neighbours among the voxels a query sees") {
   struct Setting {
     double voxel;
