@@ -125,6 +125,7 @@ void Ieskf::reserve(std::size_t fresh, std::size_t history) {
   fresh_.reserve(fresh, rows, k);
   // From the first window on, although a history comes later: usually not more than two points per fresh one.
   history_.reserve(std::max(history, fresh), rows, k);
+  if (residual_->counts_sharers()) tally_.reserve(std::max(fresh_.body.capacity(), history_.body.capacity()));
   if (records_.capacity() < fresh) records_.reserve(2 * fresh);
 }
 
@@ -146,11 +147,21 @@ void Ieskf::place(MatchSet& set, const NavState& at) const {
   for (std::size_t i = 0; i < set.body.size(); ++i) set.world[i] = at.R * set.body[i] + at.p;
 }
 
+/// How many windows as long as this one `shared_time` holds, at least 1. eq. RES-5.
+double Ieskf::windows_that_share() const {
+  constexpr double shortest = 1e-3;  // [s]
+  return std::max(1.0, params_.shared_time / std::max(to_seconds(plan_.end - plan_.fresh_begin), shortest));
+}
+
 void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
   MapQuery query = residual_->query();
   query.viewpoint = frame_.viewpoint(at.pose());
   query.max_stamp = max_stamp;
-  if (residual_->surfaces_from_map()) return map.surfaces(set.world, query, set.surfaces);
+  if (residual_->surfaces_from_map()) {
+    map.surfaces(set.world, query, set.surfaces);
+    if (residual_->counts_sharers()) tally_.count(set.surfaces, windows_that_share());
+    return;
+  }
   map.correspond(set.world, query, set.neighbours);
   residual_->fit(set.world, set.neighbours, set.surfaces);
 }

@@ -7,6 +7,7 @@
 #include "estimators/imu_noise.hpp"
 #include "estimators/information_update.hpp"
 #include "estimators/initial_covariance.hpp"
+#include "estimators/match_tally.hpp"
 #include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
@@ -40,6 +41,7 @@ class Ieskf final : public Estimator {
     double converged_deg = 0.0573;
     std::int64_t min_matches = 20;
     std::int64_t dense_below = 0;
+    double shared_time = 0.05;
     double degenerate_sigma = 0.05;
     bool degenerate_to_prior = false;
     config::Nested<MotionModel> motion{"imu_midpoint"};
@@ -94,6 +96,7 @@ class Ieskf final : public Estimator {
   /// Points of the set in W, for the two below.
   void place(MatchSet& set, const NavState& at) const;
   /// What the points match where `at` has placed them.
+  double windows_that_share() const;
   void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
   WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
@@ -129,6 +132,7 @@ class Ieskf final : public Estimator {
   WindowTrajectory trajectory_;
   Frame frame_;
   MatchSet fresh_, history_;
+  MatchTally tally_;
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update

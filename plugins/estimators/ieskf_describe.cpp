@@ -38,6 +38,9 @@ void Ieskf::describe(config::Binder& b, Params& p) {
   b.integer("dense_below", p.dense_below, "", {.min = 0, .max = 1e6},
             "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
             "for it (0: never)");
+  b.real("shared_time", p.shared_time, "s", {.min = 0.0, .max = 10.0},
+         "with an error that matches of a plane share (plane_sigma of the residual): that of a plane is taken for the "
+         "same over this time, so that shorter windows know no more of it than one as long");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
          "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
          "(rotation at a 5 m lever arm)");

@@ -39,6 +39,7 @@ void PointMatches::reserve(std::size_t points, const Residual& residual) {
   range.reserve(points);
   weight.reserve(points);
   surfaces.reserve(points);
+  if (residual.counts_sharers()) tally.reserve(points);
   rows.reserve(points * static_cast<std::size_t>(residual.rows_per_match()));
   neighbours.count.reserve(points);
   neighbours.offsets.reserve(points * k);
@@ -57,7 +58,11 @@ void PointMatches::associate(const Map& map, Residual& residual, const Vec3& vie
   query.max_stamp = max_stamp;
   query.feature = feature;
   query.viewpoint = viewpoint;
-  if (residual.surfaces_from_map()) return map.surfaces(world, query, surfaces);
+  if (residual.surfaces_from_map()) {
+    map.surfaces(world, query, surfaces);
+    if (residual.counts_sharers()) tally.count(surfaces);
+    return;
+  }
   map.correspond(world, query, neighbours);
   residual.fit(world, neighbours, surfaces);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "aslio/stages/estimator.hpp"
+#include "estimators/match_tally.hpp"
 
 namespace aslio::plugins {
 
@@ -29,6 +30,7 @@ struct PointMatches {
   std::vector<double> weight;     ///< factor on the information of each point; empty: 1
   Neighbours neighbours;
   std::vector<Surface> surfaces;
+  MatchTally tally;
   std::vector<ResidualRow> rows;  ///< Residual::rows_per_match() for each point
 
   /// Room for `points`; no allocation while they do not double.

@@ -122,6 +122,7 @@ Surface VoxelPlane::surface(const Vec3& query, std::uint32_t first, const MapQue
   found.anchor = origin + node->mean.cast<double>();
   found.quality = quality(*node, p);
   found.valid = true;
+  found.owner = node;
   return found;
 }
 

@@ -33,6 +33,10 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
   b.choice("kernel", p.kernel, {{"none", Kernel::none}, {"huber", Kernel::huber}, {"cauchy", Kernel::cauchy}},
            "robust weight of large residuals");
   b.real("kernel_width", p.kernel_width, "m", {.above = 0.0}, "residual at which the kernel sets in");
+  b.real(
+      "plane_sigma", p.plane_sigma, "m", {.min = 0.0, .max = 1.0},
+      "planes: map: standard deviation of the error that all matches of one plane have in common: N of them weigh as "
+      "if the variance of each were sigma^2 + N plane_sigma^2");
 }
 
 PointToPlane::PointToPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
@@ -104,7 +108,8 @@ double PointToPlane::weight(double r) const {
 
 void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> range,
                             std::span<const Surface> surfaces, double sigma, std::span<ResidualRow> rows) {
-  const double information = 1.0 / (sigma * sigma);
+  const bool shared = counts_sharers();
+  const double variance = sigma * sigma, common = params_.plane_sigma * params_.plane_sigma, alone = 1.0 / variance;
   const double farthest = params_.max_residual.value_or(std::numeric_limits<double>::infinity());
   exec_.for_ranges(world.size(), 4 * kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -114,6 +119,7 @@ void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> 
       const double r = surface.normal.dot(world[i] - surface.anchor);
       const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
       if (!inside || !(std::abs(r) <= farthest) || !std::isfinite(r)) continue;
+      const double information = shared ? 1.0 / (variance + surface.sharers * common) : alone;  // eq. RES-5
       rows[i] = {r, surface.normal, surface.quality * weight(r) * information};
     }
   });

@@ -11,7 +11,8 @@ namespace aslio::plugins {
 /// Distance of a point to the plane through its k nearest neighbours, or to the plane the map keeps there, r = n . (p -
 /// centroid) (docs/equations.md RES-1; AS-LIO (11)). A plane needs all k neighbours, none farther than plane_threshold
 /// from it, and neighbours that spread in two directions. The gate is FAST-LIO2's: 1 - 0.9 |r| / sqrt(range) > 0.9,
-/// which is range > 81 r^2; `max_residual` is the plain limit of CT-ICP and SR-LIO.
+/// which is range > 81 r^2; `max_residual` is the plain limit of CT-ICP and SR-LIO. With `plane_sigma`, all matches of
+/// one plane of the map share its error (RES-5).
 class PointToPlane final : public Residual {
  public:
   enum class Planes : std::uint8_t { neighbours, map };
@@ -28,6 +29,7 @@ class PointToPlane final : public Residual {
     Weighting weighting = Weighting::none;
     Kernel kernel = Kernel::none;
     double kernel_width = 0.1;
+    double plane_sigma = 0.0;
   };
   static void describe(config::Binder& b, Params& p);
   PointToPlane(const Params& params, const BuildContext& context);
@@ -35,6 +37,7 @@ class PointToPlane final : public Residual {
   int rows_per_match() const override { return 1; }
   MapQuery query() const override;
   bool surfaces_from_map() const override { return params_.planes == Planes::map; }
+  bool counts_sharers() const override { return surfaces_from_map() && params_.plane_sigma > 0.0; }
   void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) override;
   void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                 double sigma, std::span<ResidualRow> rows) override;

@@ -31,7 +31,8 @@ std::vector<Surface> ask(const Map& map, const std::vector<Vec3>& queries, std::
 }
 
 bool same(const Surface& a, const Surface& b) {
-  return a.valid == b.valid && a.normal == b.normal && a.anchor == b.anchor && a.quality == b.quality;
+  return a.valid == b.valid && a.normal == b.normal && a.anchor == b.anchor && a.quality == b.quality &&
+         (a.owner == nullptr) == (b.owner == nullptr);
 }
 
 }  // namespace
@@ -60,6 +61,12 @@ TEST_CASE("every map of surfaces: planes are found where they are, near and far 
           REQUIRE(std::abs(found[i].normal.norm() - 1.0) < 1e-9);
           REQUIRE(found[i].quality > 0.0);
           REQUIRE(found[i].quality <= 1.0);
+          // Who is told to share a surface does: and all who share one are told, if any is.
+          for (std::size_t j = 0; j < i; ++j) {
+            if (!found[j].valid || found[i].owner == nullptr) continue;
+            const bool one = found[j].normal == found[i].normal && found[j].anchor == found[i].anchor;
+            REQUIRE((found[j].owner == found[i].owner) == one);
+          }
           // A plane is as good as its quality says: slivers in the corners of voxels are not.
           const double tolerance = 0.01 / found[i].quality;
           CHECK(std::abs(found[i].normal.dot(queries[i] - found[i].anchor)) < tolerance);

@@ -213,6 +213,46 @@ TEST_CASE("gate, kernels and quality weigh a row") {  // eq. RES-1
   REQUIRE(information(params, 0.1, 1.0F) == Approx(25.0));
 }
 
+TEST_CASE("matches of one plane of the map share its error") {  // eq. RES-5
+  test::BuildEnvironment environment;
+  const double sigma = 0.02, plane = 0.006;
+  std::vector<Surface> surfaces(9, {Vec3::UnitZ(), Vec3::Zero(), 0.5, true});
+  for (std::size_t i = 0; i < 6; ++i) surfaces[i].sharers = i < 4 ? 3.0 : 2.5;
+  surfaces[3].valid = false;
+  const std::vector<Vec3> world(surfaces.size(), Vec3(3, 4, 0));
+  const std::vector<float> range(surfaces.size(), 5.0F);
+  const auto information = [&](PointToPlane::Planes planes, double common) {
+    PointToPlane residual({.planes = planes, .plane_sigma = common}, environment.context());
+    std::vector<ResidualRow> rows(surfaces.size());
+    residual.evaluate(world, range, surfaces, sigma, rows);
+    std::vector<double> found;
+    for (const ResidualRow& row : rows) found.push_back(row.information);
+    return found;
+  };
+  const auto shared = information(PointToPlane::Planes::map, plane);
+  const auto expected = [&](double n) { return Approx(0.5 / (sigma * sigma + n * plane * plane)).epsilon(1e-12); };
+  for (const std::size_t i : {0, 1, 2}) CHECK(shared[i] == expected(3));
+  CHECK(shared[3] == 0.0);
+  for (const std::size_t i : {4, 5}) CHECK(shared[i] == expected(2.5));
+  for (const std::size_t i : {6, 7, 8}) CHECK(shared[i] == expected(1));
+  // Planes fitted to neighbours share nothing, nor does anything without an error in common.
+  for (const auto& alone :
+       {information(PointToPlane::Planes::neighbours, plane), information(PointToPlane::Planes::map, 0.0)}) {
+    for (std::size_t i = 0; i < surfaces.size(); ++i) CHECK(alone[i] == (i == 3 ? 0.0 : 0.5 * (1.0 / (sigma * sigma))));
+  }
+  // However many they are, all matches of a plane together know no more than its own error lets them.
+  surfaces.assign(100000, surfaces[0]);
+  for (Surface& surface : surfaces) surface.sharers = 100000;
+  PointToPlane residual({.planes = PointToPlane::Planes::map, .plane_sigma = plane}, environment.context());
+  std::vector<ResidualRow> rows(surfaces.size());
+  residual.evaluate(std::vector<Vec3>(surfaces.size(), Vec3(3, 4, 0)), std::vector<float>(surfaces.size(), 5.0F),
+                    surfaces, sigma, rows);
+  double sum = 0;
+  for (const ResidualRow& row : rows) sum += row.information;
+  CHECK(sum < 0.5 / (plane * plane));
+  CHECK(sum > 0.49 / (plane * plane));
+}
+
 TEST_CASE("planes weigh by how flat their neighbours lie and how near they are") {  // eq. RES-3
   test::BuildEnvironment environment;
   PointToPlane residual({.k = 8, .plane_threshold = 1.0, .weighting = PointToPlane::Weighting::planarity},
