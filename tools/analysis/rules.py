@@ -104,7 +104,7 @@ def window_ablation(report, options):
     report.medians(report.study.methods)
     report.comparison([(method, "fixed_10") for method in report.study.methods if method != "fixed_10"])
     report.comparison([("as_lio", other) for other in dict.fromkeys(
-        [best, "motion_rate", "imu_rate", "sod_hard", "lookahead", "weak_views", "least_10", "no_history", "overlapping"])])
+        [best, "motion_rate", "imu_rate", "sod_hard", "lookahead", "weak_views", "least_20", "no_history", "overlapping"])])
     beats(report, best, "fixed_10", 6, NINE, "rate pays")
     beats(report, "as_lio", best, 6, NINE, "adapting pays")
     beats(report, "as_lio", "motion_rate", 6, NINE, "overlap pays")
