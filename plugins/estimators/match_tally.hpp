@@ -13,7 +13,7 @@ namespace aslio::plugins {
 /// lies in memory. Its memory grows to the largest number of surfaces met at once and is kept.
 class MatchTally {
  public:
-  /// Room for so many matches, of which four and more share a surface in the mean.
+  /// Room for so many matches of which four and more share a surface in the mean; with fewer, count() may allocate.
   void reserve(std::size_t matches);
   /// Surface::sharers of each becomes `times` the number of valid matches with the same owner, itself included, or
   /// `times` without an owner.

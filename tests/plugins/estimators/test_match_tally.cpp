@@ -20,7 +20,7 @@ TEST_CASE("matches are counted by the surface they lie on, for few surfaces and 
     for (Surface& match : matches) {
       const auto what = engine() % 10;
       match.valid = what != 0;
-      if (what > 1) match.owner = &places[engine() % surfaces];
+      if (what != 1) match.owner = &places[engine() % surfaces];
       if (match.valid && match.owner != nullptr) ++expected[match.owner];
     }
     const double times = static_cast<double>(surfaces % 4) + 1.0;
