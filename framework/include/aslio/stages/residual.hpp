@@ -29,7 +29,8 @@ class Residual : public Stage {
   /// Whether the surfaces are those the map keeps (Map::surfaces()) rather than fitted to neighbours: then fit() is not
   /// called.
   virtual bool surfaces_from_map() const { return false; }
-  /// Whether the noise of a row depends on Surface::sharers: then the estimator counts them once per association.
+  /// Whether the noise of a row depends on Surface::sharers, which an estimator may count once per association; left as
+  /// they are, every match stands alone.
   virtual bool counts_sharers() const { return false; }
   virtual void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) = 0;
   virtual void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
