@@ -147,19 +147,13 @@ void Ieskf::place(MatchSet& set, const NavState& at) const {
   for (std::size_t i = 0; i < set.body.size(); ++i) set.world[i] = at.R * set.body[i] + at.p;
 }
 
-/// How many windows as long as this one `shared_time` holds, at least 1. eq. RES-5.
-double Ieskf::windows_that_share() const {
-  constexpr double shortest = 1e-3;  // [s]
-  return std::max(1.0, params_.shared_time / std::max(to_seconds(plan_.end - plan_.fresh_begin), shortest));
-}
-
 void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
   MapQuery query = residual_->query();
   query.viewpoint = frame_.viewpoint(at.pose());
   query.max_stamp = max_stamp;
   if (residual_->surfaces_from_map()) {
     map.surfaces(set.world, query, set.surfaces);
-    if (residual_->counts_sharers()) tally_.count(set.surfaces, windows_that_share());
+    if (residual_->counts_sharers()) tally_.count(set.surfaces, windows_per(params_.shared_time, plan_));
     return;
   }
   map.correspond(set.world, query, set.neighbours);

@@ -95,8 +95,6 @@ class Ieskf final : public Estimator {
   void iterate(const HistorySelection& past, const StepContext& context);
   /// Points of the set in W, for the two below.
   void place(MatchSet& set, const NavState& at) const;
-  /// How many windows as long as this one share the error of a plane: >= 1.
-  double windows_that_share() const;
   /// What the points match where `at` has placed them.
   void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
   WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "aslio/core/spread.hpp"
+
 namespace aslio::plugins {
 
 namespace {
@@ -12,7 +14,7 @@ constexpr std::size_t kFirst = 1024;  // slots: some hundred planes are in view
 std::size_t MatchTally::slot_of(const void* owner) {
   const std::size_t mask = owners_.size() - 1;
   // Fibonacci hashing: neighbours in memory go far apart.
-  const auto bits = static_cast<std::uint64_t>(std::bit_cast<std::uintptr_t>(owner)) * 0x9e3779b97f4a7c15ULL;
+  const auto bits = static_cast<std::uint64_t>(std::bit_cast<std::uintptr_t>(owner)) * kGoldenRatio;
   std::size_t slot = static_cast<std::size_t>(bits >> 32) & mask;
   while (owners_[slot] != nullptr && owners_[slot] != owner) slot = (slot + 1) & mask;
   return slot;
@@ -27,13 +29,12 @@ void MatchTally::reserve(std::size_t matches) {
 void MatchTally::resize(std::size_t size) {
   owners_.assign(size, nullptr);
   counts_.assign(size + 1, 0);
-  used_ = 0;
 }
 
 /// Whether the table was large enough.
 bool MatchTally::tally(std::span<const Surface> surfaces) {
   const void* last = nullptr;  // points come in the order in which they were measured: the next is often on the same
-  std::size_t slot = 0;
+  std::size_t slot = 0, used = 0;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const void* owner = surfaces[i].valid ? surfaces[i].owner : nullptr;
     if (owner == nullptr) {
@@ -44,7 +45,7 @@ bool MatchTally::tally(std::span<const Surface> surfaces) {
       slot = slot_of(owner);
       last = owner;
       if (owners_[slot] == nullptr) {
-        if (2 * ++used_ > owners_.size()) return false;
+        if (2 * ++used > owners_.size()) return false;
         owners_[slot] = owner;
       }
     }
@@ -59,7 +60,6 @@ void MatchTally::count(std::span<Surface> surfaces, double times) {
   if (owners_.empty()) resize(kFirst);
   std::fill(owners_.begin(), owners_.end(), nullptr);
   std::fill(counts_.begin(), counts_.end(), 0U);
-  used_ = 0;
   while (!tally(surfaces)) resize(2 * owners_.size());
   counts_.back() = 1;
   for (std::size_t i = 0; i < surfaces.size(); ++i) surfaces[i].sharers = times * counts_[slots_[i]];

@@ -28,7 +28,6 @@ class MatchTally {
   std::vector<const void*> owners_;
   std::vector<std::uint32_t> counts_;  ///< of each slot; the last is 1
   std::vector<std::uint32_t> slots_;   ///< of each match
-  std::size_t used_ = 0;
 };
 
 }  // namespace aslio::plugins

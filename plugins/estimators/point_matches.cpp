@@ -16,10 +16,12 @@ std::array<double, 6> pose_spectrum(const Mat6& A) {
   return out;
 }
 
-double windows_per_view(const WindowPlan& plan) {
-  constexpr double view = 0.1, shortest = 1e-3;  // [s]
-  return std::max(1.0, view / std::max(to_seconds(plan.end - plan.fresh_begin), shortest));
+double windows_per(double time, const WindowPlan& plan) {
+  constexpr double shortest = 1e-3;  // [s]
+  return std::max(1.0, time / std::max(to_seconds(plan.end - plan.fresh_begin), shortest));
 }
+
+double windows_per_view(const WindowPlan& plan) { return windows_per(0.1, plan); }
 
 bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan) {
   return sigma * sigma * spectrum[0] * windows_per_view(plan) < 1.0;

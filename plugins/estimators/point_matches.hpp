@@ -13,7 +13,9 @@ namespace aslio::plugins {
 /// are 1/m^2. eq. IESKF-7.
 std::array<double, 6> pose_spectrum(const Mat6& A);
 
-/// How many windows as long as this one 0.1 s hold, at least 1. eq. IESKF-7.
+/// How many windows as long as this one `time` [s] holds, at least 1. eqs. IESKF-7, RES-5.
+double windows_per(double time, const WindowPlan& plan);
+/// The same for 0.1 s, a view.
 double windows_per_view(const WindowPlan& plan);
 
 /// Whether the weakest direction is known worse than `sigma` [m] by all such windows of 0.1 s together. `plan`: of the

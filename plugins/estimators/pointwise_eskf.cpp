@@ -180,7 +180,6 @@ void PointwiseEskf::take_points(std::size_t begin, std::size_t end, const Map& m
   query.viewpoint = frame_.viewpoint({now_.x.R, now_.x.p});
   if (residual_->surfaces_from_map()) {
     map.surfaces(world_, query, surfaces_);
-    if (residual_->counts_sharers()) tally_.count(surfaces_);
   } else {
     map.correspond(world_, query, neighbours_);
     residual_->fit(world_, neighbours_, surfaces_);

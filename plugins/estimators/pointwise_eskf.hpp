@@ -6,7 +6,6 @@
 #include "estimators/frame.hpp"
 #include "estimators/initial_covariance.hpp"
 #include "estimators/knot_trajectory.hpp"
-#include "estimators/match_tally.hpp"
 #include "estimators/pointwise_state.hpp"
 #include "estimators/velocity_search.hpp"
 
@@ -86,7 +85,6 @@ class PointwiseEskf final : public Estimator {
   // Of one firing.
   std::vector<Vec3> world_;
   std::vector<Surface> surfaces_;
-  MatchTally tally_;
   std::vector<ResidualRow> rows_;
   std::vector<Vec6> row_slopes_;
   Neighbours neighbours_;

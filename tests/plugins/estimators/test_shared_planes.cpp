@@ -11,9 +11,9 @@ namespace {
 constexpr TimeNs kTenth = kSecond / 10;
 
 /// Information of the least known direction after one update of `points` over `length`.
-double least_known(const std::string& plane_sigma, TimeNs length, int points) {
+double least_known(const std::string& plane_sigma, TimeNs length, int points, const std::string& shared_time = "0.1") {
   const std::string residual = "{type: point_to_plane, planes: map, plane_sigma: " + plane_sigma + "}";
-  const std::string estimator = "estimator={type: ieskf, shared_time: 0.1, residual: " + residual + "}";
+  const std::string estimator = "estimator={type: ieskf, shared_time: " + shared_time + ", residual: " + residual + "}";
   Filter filter({estimator, "map={type: voxel_plane}"}, 0.01);
   filter.build_map(1);
   const Update& found = filter.update(RoomWindow(kRoomEpoch, length, Pose{}, 2, points));
@@ -34,4 +34,7 @@ TEST_CASE("a view cut into shorter windows knows no more than the whole, since i
   const double whole = least_known("1", kTenth, 10000), part = least_known("1", kTenth / 5, 2000);
   CHECK(5.0 * part < 1.5 * whole);
   CHECK(5.0 * part > 0.5 * whole);
+  // Over half that time, half of the error is new: as if the view had seen the planes twice.
+  const double half = least_known("1", kTenth / 5, 2000, "0.05");
+  CHECK(half == Approx(2.0 * part).epsilon(0.05));
 }
