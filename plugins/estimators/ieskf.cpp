@@ -160,7 +160,18 @@ void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::ui
   residual_->fit(set.world, set.neighbours, set.surfaces);
 }
 
-WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) {
+/// What the prior does not know of the pose moves a residual by as much, its rotation in proportion to the range. eq.
+/// IESKF-11.
+Ieskf::Gate Ieskf::gate_of_prior() const {
+  if (params_.innovation_gate <= 0) return {};
+  const auto largest = [&](int at) {
+    return Eigen::SelfAdjointEigenSolver<Mat3>(P_.block<3, 3>(at, at), Eigen::EigenvaluesOnly).eigenvalues()[2];
+  };
+  const double square = params_.innovation_gate * params_.innovation_gate;
+  return {square * (params_.sigma * params_.sigma + largest(block::p)), square * largest(block::theta)};
+}
+
+WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, const Gate& gate) {
   residual_->evaluate(set.world, set.range, set.surfaces, params_.sigma, set.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   const Mat3 Rt = at.R.transpose();
@@ -169,8 +180,8 @@ WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate
     InformationLanes lanes(Rt);
     for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
       const ResidualRow& z = set.rows[row];
-      if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
       const std::size_t i = row / rows_per_match;
+      if (z.information <= 0.0 || !gate.passes(z.r, set.range[i])) continue;
       const double information = (set.weight.empty() ? 1.0 : set.weight[i]) * z.information;
       if (set.lag.empty()) {
         lanes.add(set.body[i], z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1
@@ -273,9 +284,8 @@ void Ieskf::follow(const NavState& at) {
 /// All residuals at the iterate.
 Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySelection& past,
                                  const StepContext& context) {
-  constexpr double no_gate = std::numeric_limits<double>::infinity();
   Evaluation sums;
-  sums.fresh = evaluate(fresh_, at, no_gate);
+  sums.fresh = evaluate(fresh_, at, gate_);
   if (first && static_cast<std::int64_t>(sums.fresh.accepted) < params_.dense_below) {
     // The less of the view is known, the more each known point counts.
     frame_.match_all();
@@ -284,9 +294,10 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
     const CpuTimer timer(result_.times.associate, result_.times.solve);
     place(fresh_, at);
     associate(fresh_, at, context.map, 0xffffffff);
-    sums.fresh = evaluate(fresh_, at, no_gate);
+    sums.fresh = evaluate(fresh_, at, gate_);
   }
-  sums.history = evaluate(history_, at, context.histories.gate(params_.sigma));
+  const double history_gate = context.histories.gate(params_.sigma);
+  sums.history = evaluate(history_, at, {history_gate * history_gate, 0});
   result_.fresh_matches = static_cast<std::uint32_t>(sums.fresh.accepted);
   result_.history_matches = static_cast<std::uint32_t>(sums.history.accepted);
   return sums;
@@ -320,6 +331,7 @@ Ieskf::Normal Ieskf::assemble(const Evaluation& sums, double history_weight) con
 void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   const NavState prior = state_;
   NavState x = prior;
+  gate_ = gate_of_prior();
   bool search = true;
   int converged_steps = 0;
   for (int j = 0; j < params_.max_iterations; ++j) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "estimators/dead_reckoning.hpp"
@@ -41,6 +43,7 @@ class Ieskf final : public Estimator {
     double converged_deg = 0.0573;
     std::int64_t min_matches = 20;
     std::int64_t dense_below = 0;
+    double innovation_gate = 0;
     double shared_time = 0.05;
     double degenerate_sigma = 0.05;
     bool degenerate_to_prior = false;
@@ -76,6 +79,14 @@ class Ieskf final : public Estimator {
     void resize(std::size_t n, std::size_t rows_per_match);
   };
 
+  /// How far from its surface a point may lie: r^2 <= at_hand + by_range range^2 [m^2, rad^2].
+  struct Gate {
+    double at_hand = std::numeric_limits<double>::infinity(), by_range = 0;
+    bool passes(double r, float range) const {
+      return r * r <= at_hand + by_range * static_cast<double>(range) * static_cast<double>(range);
+    }
+  };
+
   /// Sums of one evaluation: information of the fresh points and of the history points (not yet weighted).
   struct Evaluation {
     WindowInformation fresh, history;
@@ -97,7 +108,8 @@ class Ieskf final : public Estimator {
   void place(MatchSet& set, const NavState& at) const;
   /// What the points match where `at` has placed them.
   void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
-  WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
+  Gate gate_of_prior() const;
+  WindowInformation evaluate(MatchSet& set, const NavState& at, const Gate& gate);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
   Mat6 leave_degenerate_out(const Mat6& A) const;
   void load_fresh();
@@ -132,6 +144,7 @@ class Ieskf final : public Estimator {
   Frame frame_;
   MatchSet fresh_, history_;
   MatchTally tally_;
+  Gate gate_;  ///< of the fresh points of this update
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update

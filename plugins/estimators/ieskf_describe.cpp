@@ -38,6 +38,9 @@ void Ieskf::describe(config::Binder& b, Params& p) {
   b.integer("dense_below", p.dense_below, "", {.min = 0, .max = 1e6},
             "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
             "for it (0: never)");
+  b.real("innovation_gate", p.innovation_gate, "", {.min = 0, .max = 100},
+         "a fresh match takes part while its residual is within so many standard deviations of what the noise and the "
+         "predicted pose allow (0: whatever the residual itself allows)");
   b.real("shared_time", p.shared_time, "s", {.min = 0.0, .max = 10.0},
          "with an error that matches of a plane share (plane_sigma of the residual): that of a plane is taken for the "
          "same over this time, so that shorter windows know no more of it than one as long");

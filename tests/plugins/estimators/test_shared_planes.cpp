@@ -21,7 +21,30 @@ double least_known(const std::string& plane_sigma, TimeNs length, int points, co
   return found.spectrum[0];
 }
 
+/// Trace of the position's covariance [m^2] after one update of 2000 points whose window holds `old` points, too.
+double position_variance(const std::string& plane_sigma, int old) {
+  const std::string residual = "{type: point_to_plane, planes: map, plane_sigma: " + plane_sigma + "}";
+  Filter filter({"estimator={type: ieskf, residual: " + residual + "}", "map={type: voxel_plane}"}, 3.0);
+  filter.build_map(1);
+  std::vector<HistoryPoint> points;
+  for (const WorldPoint& p : wall_points(old)) {
+    points.push_back({.p_W = p.p_W, .t = kRoomEpoch, .range = static_cast<float>(p.p_W.norm()), .sequence = 5});
+  }
+  const Update& found = filter.update(RoomWindow(kRoomEpoch, kTenth, Pose{}, 6, 2000),
+                                      {.points = points, .max_stamp = 5, .covariance = HistoryCovariance::all});
+  REQUIRE(found.accepted);
+  REQUIRE(found.history_matches > static_cast<std::uint32_t>(old) / 2);
+  return found.P.block<3, 3>(block::p, block::p).trace();
+}
+
 }  // namespace
+
+TEST_CASE("old points of a window, as fresh ones, know no more than the planes they lie on") {
+  CHECK(position_variance("0", 20000) < 0.3 * position_variance("0", 1000));
+  CHECK(position_variance("1", 20000) > 0.7 * position_variance("1", 1000));
+  // They count once more: what fresh points say of a plane does not silence them.
+  CHECK(position_variance("1", 20000) < 0.8 * position_variance("1", 1));
+}
 
 TEST_CASE("however many points a window has, it knows no more than the planes it sees") {
   // Without an error in common, five times the points know five times as much; with one of 1 m, hardly more.
