@@ -448,7 +448,7 @@ void Ieskf::record_residuals() {
   std::size_t accepted = 0;
   for (std::size_t row = 0; row < fresh_.rows.size(); ++row) {
     const ResidualRow& z = fresh_.rows[row];
-    if (z.information <= 0.0) continue;
+    if (z.information <= 0.0 || !gate_.passes(z.r, fresh_.range[row / rows_per_match])) continue;
     squares += z.r * z.r;
     ++accepted;
     MatchRecord& record = records_[row / rows_per_match];

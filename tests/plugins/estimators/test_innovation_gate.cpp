@@ -15,6 +15,7 @@ const std::vector<std::string> kGated = {"estimator.sigma=0.02", "estimator.inno
 struct Found {
   Vec3 p;
   std::uint32_t matches;
+  std::ptrdiff_t recorded;  ///< matches that histories and telemetry are told of
 };
 
 /// The room from `T`, of which one point in four ahead is 0.15 m too near, by a filter that begins at rest at the
@@ -32,7 +33,8 @@ Found locate(const std::vector<std::string>& overrides, const Pose& T, double si
   }
   const Update& update = filter.update(room);
   REQUIRE(update.accepted);
-  return {update.state.p, update.fresh_matches};
+  const auto took_part = [](const MatchRecord& match) { return match.accepted; };
+  return {update.state.p, update.fresh_matches, std::count_if(update.matches.begin(), update.matches.end(), took_part)};
 }
 
 }  // namespace
@@ -43,6 +45,8 @@ TEST_CASE("what lies off the walls by more than a certain prior allows does not 
   CHECK(ungated.p.norm() > 5 * gated.p.norm());
   CHECK(gated.matches < ungated.matches);
   CHECK(gated.matches > 900);  // the walls themselves are all matched
+  CHECK(gated.recorded == gated.matches);
+  CHECK(ungated.recorded == ungated.matches);
 }
 
 TEST_CASE("an uncertain prior opens the gate: a start in motion finds its place") {
