@@ -16,7 +16,19 @@ ReplaySchedule prepare(const ReplayWindow::Params& params) {
   if (params.file.empty()) throw ConfigError("window 'replay' needs a 'file': the updates.csv of a run, for example");
   ReplaySchedule schedule = ReplaySchedule::read(params.file);
   schedule.rotate(to_ns(params.shift));
-  if (params.shuffle) schedule.shuffle(static_cast<std::uint64_t>(params.seed));
+  switch (params.order) {
+    case ReplayWindow::Order::recorded:
+      break;
+    case ReplayWindow::Order::shuffled:
+      schedule.shuffle(static_cast<std::uint64_t>(params.seed));
+      break;
+    case ReplayWindow::Order::steady:
+      schedule.steady();
+      break;
+    case ReplayWindow::Order::turn_rate:
+      schedule.by_turn_rate();
+      break;
+  }
   return schedule;
 }
 
@@ -28,11 +40,19 @@ void ReplayWindow::describe(config::Binder& b, Params& p) {
          "the updates.csv of a run will do. A relative path begins at the working directory");
   b.real("shift", p.shift, "s", {.min = -1e6, .max = 1e6},
          "moves the rhythm in time, around the circle from the first update to the last");
-  b.flag("shuffle", p.shuffle,
-         "puts the intervals between updates into a random order; each keeps its length and history");
-  b.integer("seed", p.seed, "", {.min = 0, .max = 1e9}, "draws that order");
+  b.choice("order", p.order,
+           {{"recorded", Order::recorded},
+            {"shuffled", Order::shuffled},
+            {"steady", Order::steady},
+            {"turn_rate", Order::turn_rate}},
+           "of the intervals between updates: that of the file; a random one, in which each keeps its length and "
+           "history; as many of equal length; or as many of like lengths, the shorter the faster the sensor turns, by "
+           "column gyro_rms_rad_s");
+  b.integer("seed", p.seed, "", {.min = 0, .max = 1e9}, "draws the order 'shuffled'");
   b.real("period", p.period, "s", {.min = 1e-3, .max = 10.0},
          "time between updates, without history, once the schedule has ended");
+  b.require(p.shift == 0.0 || p.order == Order::recorded || p.order == Order::shuffled, "shift",
+            "moves a rhythm: it does not go with order 'steady' or 'turn_rate'");
   b.require(!p.file.empty(), "file", "is missing: name a schedule, such as the updates.csv of a run");
 }
 

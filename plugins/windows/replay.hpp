@@ -1,7 +1,7 @@
 #pragma once
-/// `replay`: updates at the times a file says, whatever the data. Moved or shuffled it is the yoked control of an
-/// adaptive window: as many updates, of the same durations, at the wrong moments. (WIN-7)
-/// Beyond the end of the schedule an update comes every `period`, without history.
+/// `replay`: updates at the times a file says, whatever the data. Moved or put into another order it is the yoked
+/// control of an adaptive window: as many updates, at the wrong moments, at a steady rate, or where the gyro turns.
+/// (WIN-7) Beyond the end of the schedule an update comes every `period`, without history.
 
 #include <string>
 
@@ -14,10 +14,11 @@ namespace aslio::plugins {
 
 class ReplayWindow final : public WindowStrategy {
  public:
+  enum class Order { recorded, shuffled, steady, turn_rate };
   struct Params {
     std::string file;
     double shift = 0.0;
-    bool shuffle = false;
+    Order order = Order::recorded;
     std::int64_t seed = 1;
     double period = 0.1;
   };

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/core/spread.hpp"
@@ -60,7 +63,42 @@ struct Row {
     if (t < -farthest || t > farthest) refuse(fmt::format("{} {} is out of range", name, t));
     return t;
   }
+  /// NaN where the field is empty: an update without an IMU sample.
+  double rate(std::size_t index, std::string_view name) const {
+    const auto value = field(text, index);
+    if (!value) refuse(fmt::format("the line ends before column '{}'", name));
+    if (value->empty()) return std::numeric_limits<double>::quiet_NaN();
+    double rate = 0.0;
+    const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), rate);
+    if (error != std::errc() || end != value->data() + value->size()) {
+      refuse(fmt::format("{} '{}' is not a number", name, value->substr(0, 40)));
+    }
+    return rate;
+  }
 };
+
+/// To each interval between two updates the one that it is to be as long as: where the turn rate is above that of a
+/// share q of the time, one that a share q of the time has longer ones than.
+std::vector<std::size_t> lengths_by_turn_rate(const std::vector<ReplaySchedule::Update>& updates) {
+  const auto duration = [&](std::size_t i) { return updates[i + 1].end - updates[i].end; };
+  std::vector<std::size_t> by_rate(updates.size() - 1), like(updates.size() - 1);
+  std::iota(by_rate.begin(), by_rate.end(), std::size_t{0});
+  std::vector<std::size_t> by_duration = by_rate;
+  // Ties keep their order: the result is the same on every machine.
+  std::stable_sort(by_rate.begin(), by_rate.end(),
+                   [&](std::size_t a, std::size_t b) { return updates[a + 1].turn_rate > updates[b + 1].turn_rate; });
+  std::stable_sort(by_duration.begin(), by_duration.end(),
+                   [&](std::size_t a, std::size_t b) { return duration(a) < duration(b); });
+  TimeNs twice_middle = 0, until = 0;  // of an interval in the one order, and where one in the other ends
+  auto shortest = by_duration.begin();
+  for (const std::size_t i : by_rate) {
+    twice_middle += duration(i);
+    while (2 * (until + duration(*shortest)) <= twice_middle) until += duration(*shortest++);
+    like[i] = *shortest;
+    twice_middle += duration(i);
+  }
+  return like;
+}
 
 /// SplitMix64 (Steele et al. 2014).
 std::uint64_t draw(std::uint64_t& state) {
@@ -86,7 +124,8 @@ ReplaySchedule ReplaySchedule::read(const std::filesystem::path& path) {
 ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& source) {
   if (text.empty()) throw DataError(fmt::format("{}: is empty: is it the right file?", source));
   ReplaySchedule schedule;
-  std::optional<std::size_t> end_column, begin_column;
+  schedule.source_ = source;
+  std::optional<std::size_t> end_column, begin_column, rate_column;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t length = std::min(text.find('\n'), text.size());
     const Row row{source, number, text.substr(0, length)};
@@ -94,6 +133,7 @@ ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& s
     if (number == 1) {
       end_column = column(row.text, "t_ns");
       begin_column = column(row.text, "window_begin_ns");
+      rate_column = column(row.text, "gyro_rms_rad_s");
       if (!end_column) {
         row.refuse(
             "the header names no column 't_ns': give a CSV file with the ends of the updates, such as the updates.csv "
@@ -110,6 +150,7 @@ ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& s
       }
       if (begin_column) update.history = std::max<TimeNs>(previous - row.time(*begin_column, "window_begin_ns"), 0);
     }
+    if (rate_column) update.turn_rate = row.rate(*rate_column, "gyro_rms_rad_s");
     schedule.updates_.push_back(update);
   }
   if (schedule.updates_.empty()) throw DataError(fmt::format("{}: holds no update: is it the right file?", source));
@@ -127,22 +168,69 @@ void ReplaySchedule::rotate(TimeNs shift) {
       std::find_if(updates_.begin(), updates_.end(), [&](const Update& u) { return u.end - first + offset >= span; });
   for (auto u = seam; u != updates_.end(); ++u) {
     const TimeNs end = u->end + offset - span;
-    if (end > first) moved.push_back({end, u->history});
+    if (end > first) moved.push_back({.end = end, .history = u->history});
   }
-  for (auto u = updates_.begin() + 1; u < seam; ++u) moved.push_back({u->end + offset, u->history});
-  moved.push_back({first + span, seam->history});
+  for (auto u = updates_.begin() + 1; u < seam; ++u) moved.push_back({.end = u->end + offset, .history = u->history});
+  moved.push_back({.end = first + span, .history = seam->history});
   updates_ = std::move(moved);
 }
 
 void ReplaySchedule::shuffle(std::uint64_t seed) {
   std::vector<Update> intervals;  // `end`: duration
   for (std::size_t i = 1; i < updates_.size(); ++i) {
-    intervals.push_back({updates_[i].end - updates_[i - 1].end, updates_[i].history});
+    intervals.push_back({.end = updates_[i].end - updates_[i - 1].end, .history = updates_[i].history});
   }
   for (std::size_t i = intervals.size(); i > 1; --i) std::swap(intervals[i - 1], intervals[draw(seed) % i]);
   for (std::size_t i = 1; i < updates_.size(); ++i) {
-    updates_[i] = {updates_[i - 1].end + intervals[i - 1].end, intervals[i - 1].history};
+    updates_[i] = {.end = updates_[i - 1].end + intervals[i - 1].end, .history = intervals[i - 1].history};
   }
+}
+
+void ReplaySchedule::steady() {
+  const auto count = static_cast<TimeNs>(updates_.size() - 1);
+  if (count == 0) return;
+  const TimeNs first = updates_.front().end, span = updates_.back().end - first;
+  TimeNs before = first;
+  for (TimeNs i = 1; i <= count; ++i) {
+    Update& update = updates_[static_cast<std::size_t>(i)];
+    const TimeNs length = update.history + update.end - std::exchange(before, update.end);
+    const TimeNs begin = updates_[static_cast<std::size_t>(i - 1)].end;
+    update.end = first + span / count * i + span % count * i / count;
+    update.history = std::max<TimeNs>(length - (update.end - begin), 0);
+  }
+}
+
+void ReplaySchedule::by_turn_rate() {
+  const std::size_t count = updates_.size() - 1;
+  for (std::size_t i = 1; i <= count; ++i) {
+    if (std::isfinite(updates_[i].turn_rate)) continue;
+    throw DataError(fmt::format(
+        "{}: gyro_rms_rad_s of the update that ends at {} ns is not known: order 'turn_rate' needs that of every "
+        "update, as in the updates.csv of a run with an IMU",
+        source_, updates_[i].end));
+  }
+  if (count == 0) return;
+  const auto interval = [&](std::size_t i) { return static_cast<double>(updates_[i + 1].end - updates_[i].end); };
+  const std::vector<std::size_t> like = lengths_by_turn_rate(updates_);
+  double all = 0.0;  // so many updates, with a fraction, the lengths make; scaled, they are `count` again
+  for (std::size_t i = 0; i < count; ++i) all += interval(i) / interval(like[i]);
+  std::vector<Update> ordered = {updates_.front()};
+  double until = 0.0;  // updates that end by the end of interval i
+  for (std::size_t i = 0; i < count; ++i) {
+    const double density = static_cast<double>(count) / all / interval(like[i]);
+    const double begin =
+        std::exchange(until, i + 1 == count ? static_cast<double>(count) : until + interval(i) * density);
+    while (static_cast<double>(ordered.size()) <= until) {
+      const TimeNs inside = std::llround((static_cast<double>(ordered.size()) - begin) / density);
+      const TimeNs before = ordered.back().end, after = static_cast<TimeNs>(count - ordered.size());
+      // Ends increase to the last, though intervals of some ns may be rounded to none.
+      const TimeNs end = after == 0 ? updates_.back().end
+                                    : std::clamp(updates_[i].end + inside, before + 1, updates_.back().end - after);
+      const TimeNs length = updates_[like[i] + 1].history + updates_[like[i] + 1].end - updates_[like[i]].end;
+      ordered.push_back({.end = end, .history = std::max<TimeNs>(length - (end - before), 0)});
+    }
+  }
+  updates_ = std::move(ordered);
 }
 
 const ReplaySchedule::Update* ReplaySchedule::after(TimeNs t) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
+#include <random>
 #include <string>
 
 #include "aslio/core/errors.hpp"
@@ -11,6 +12,7 @@
 namespace aslio {
 namespace {
 
+using Catch::Contains;
 using plugins::ReplaySchedule;
 using Interval = std::pair<TimeNs, TimeNs>;  ///< duration, history
 
@@ -68,7 +70,6 @@ TEST_CASE("replay: without begins of windows there is no history") {
 }
 
 TEST_CASE("replay: errors of a schedule name the file, the line and the value") {
-  using Catch::Contains;
   CHECK_THAT(complaint("time,x\n1,2\n"), Contains("plan.csv:1: the header names no column 't_ns'"));
   CHECK_THAT(complaint("t_ns\n100\n0.25\n"), Contains("plan.csv:3: t_ns '0.25' is not a time in whole nanoseconds"));
   CHECK_THAT(complaint("t_ns,a\n100,1\n,1\n"), Contains("plan.csv:3: t_ns '' is not"));
@@ -87,12 +88,11 @@ TEST_CASE("replay: errors of a schedule name the file, the line and the value") 
 TEST_CASE("replay: a schedule that cannot be opened is named") {
   const test::TemporaryFolder folder;
   const std::string missing = (folder / "none.csv").string();
-  CHECK_THROWS_WITH(ReplaySchedule::read(missing),
-                    Catch::Contains(missing) && Catch::Contains("No such file or directory"));
+  CHECK_THROWS_WITH(ReplaySchedule::read(missing), Contains(missing) && Contains("No such file or directory"));
   CHECK_THROWS_AS(ReplaySchedule::read(missing), ConfigError);
   CHECK_THROWS_WITH(ReplaySchedule::read(folder.path()),
-                    Catch::Contains(folder.path().string()) && Catch::Contains("is a directory"));
-  CHECK_THROWS_WITH(ReplaySchedule::read(folder.write("bad.csv", "t_ns\nx\n")), Catch::Contains("bad.csv:2: t_ns 'x'"));
+                    Contains(folder.path().string()) && Contains("is a directory"));
+  CHECK_THROWS_WITH(ReplaySchedule::read(folder.write("bad.csv", "t_ns\nx\n")), Contains("bad.csv:2: t_ns 'x'"));
 }
 
 TEST_CASE("replay: a rhythm moves around the circle between its first and its last end") {
@@ -143,6 +143,79 @@ TEST_CASE("replay: shuffled intervals are the same intervals, each with its hist
   auto sorted = intervals(one);
   std::sort(sorted.begin(), sorted.end());
   CHECK(sorted == intervals(plain));
+}
+
+TEST_CASE("replay: a steady rhythm has as many updates at equal distances, and windows of the same lengths") {
+  ReplaySchedule schedule = growing(5);  // intervals of 10, 20, 30, 40, as much history: windows of 20, 40, 60, 80
+  schedule.steady();
+  CHECK(intervals(schedule) == std::vector<Interval>{{25, 0}, {25, 15}, {25, 35}, {25, 55}});
+  ReplaySchedule uneven = ReplaySchedule::parse("t_ns\n0\n1\n2\n11\n", "plan.csv");
+  uneven.steady();
+  CHECK(ends(uneven) == std::vector<TimeNs>{0, 3, 7, 11});
+  ReplaySchedule single = growing(1);
+  single.steady();
+  CHECK(ends(single) == std::vector<TimeNs>{1000});
+}
+
+TEST_CASE("replay: by turn rate, the shortest intervals go where the sensor turns fastest") {
+  // Four intervals of 100 with slow turns, then ten of 40 with fast ones in the first four of those.
+  std::string text = "t_ns,window_begin_ns,gyro_rms_rad_s\n0,-200,0\n";
+  TimeNs t = 0;
+  for (int i = 0; i < 4; ++i, t += 100) {
+    text += std::to_string(t + 100) + ',' + std::to_string(t - 100) + (i < 2 ? ",0.1\n" : ",0.9\n");
+  }
+  for (int i = 0; i < 10; ++i, t += 40) {
+    text += std::to_string(t + 40) + ',' + std::to_string(t - 160) + (i < 5 ? ",0.8\n" : ",0.2\n");
+  }
+  ReplaySchedule schedule = ReplaySchedule::parse(text, "plan.csv");
+  schedule.by_turn_rate();
+  // Of 800, the fast half is from 200 to 600: there the ten of 40 are, and two of 100 before and behind. Windows of
+  // 200.
+  std::vector<Interval> expected(2, {100, 100});
+  expected.insert(expected.end(), 10, {40, 160});
+  expected.insert(expected.end(), 2, {100, 100});
+  CHECK(intervals(schedule) == expected);
+}
+
+TEST_CASE("replay: by turn rate there are as many updates, whatever the schedule") {
+  std::mt19937_64 random(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    CAPTURE(trial);
+    const int count = std::uniform_int_distribution(2, 60)(random);
+    const bool tiny = trial % 4 == 0;  // intervals of some ns, which round to none
+    std::string text = "t_ns,gyro_rms_rad_s\n";
+    TimeNs t = 0;
+    for (int i = 0; i < count; ++i) {
+      const TimeNs step = std::uniform_int_distribution<TimeNs>(1, tiny ? 5 : 100'000'000)(random);
+      t += step;
+      text += std::to_string(t) + ',' + std::to_string(std::uniform_int_distribution(0, 5)(random)) + '\n';
+    }
+    const ReplaySchedule plain = ReplaySchedule::parse(text, "plan.csv");
+    ReplaySchedule schedule = plain;
+    schedule.by_turn_rate();
+    const auto before = ends(plain), after = ends(schedule);
+    REQUIRE(after.size() == before.size());
+    CHECK(after.front() == before.front());
+    CHECK(after.back() == before.back());
+    CHECK(std::adjacent_find(after.begin(), after.end(), std::greater_equal<>()) == after.end());
+  }
+}
+
+TEST_CASE("replay: an order by turn rate needs the turn rate of every update") {
+  const auto failure = [](const std::string& text) -> std::string {
+    ReplaySchedule schedule = ReplaySchedule::parse(text, "plan.csv");
+    try {
+      schedule.by_turn_rate();
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  CHECK_THAT(failure("t_ns\n100\n200\n"), Contains("plan.csv: gyro_rms_rad_s of the update that ends at 200 ns"));
+  CHECK_THAT(failure("t_ns,gyro_rms_rad_s\n100,\n200,1\n300,\n"), Contains("the update that ends at 300 ns"));
+  CHECK(failure("t_ns,gyro_rms_rad_s\n100,\n200,1\n").empty());  // what was before the first end is not moved
+  CHECK_THAT(complaint("t_ns,gyro_rms_rad_s\n100,fast\n"),
+             Contains("plan.csv:2: gyro_rms_rad_s 'fast' is not a number"));
 }
 
 TEST_CASE("replay: the next update is the first that ends later") {

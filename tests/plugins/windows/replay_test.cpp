@@ -120,9 +120,16 @@ TEST_CASE("replay: the yoked controls keep the number of updates and their pace"
   CHECK(count_fast("", 100, 300) == 10);
   CHECK(count_fast(", shift: 0.6", 700, 900) == 10);
   CHECK(count_fast(", shift: 0.6", 0, 700) == 0);
-  CHECK(count_fast(", shuffle: true", 0, 1500) == 10);
-  CHECK(count_fast(", shuffle: true", 100, 300) < 10);
-  CHECK(test::plans_of(replay(file, ", shuffle: true, seed: 2"), dense_stream(1500)).size() ==
+  CHECK(count_fast(", order: shuffled", 0, 1500) == 10);
+  CHECK(count_fast(", order: shuffled", 100, 300) < 10);
+  CHECK(count_fast(", order: steady", 0, 1500) == 0);
+  CHECK(test::plans_of(replay(file, ", order: steady"), dense_stream(1500)).size() ==
+        test::plans_of(replay(file), dense_stream(1500)).size());
+  CHECK_THROWS_WITH(test::plans_of(replay(file, ", order: turn_rate"), dense_stream(1500)),
+                    Catch::Contains("plan.csv: gyro_rms_rad_s of the update"));
+  CHECK_THROWS_WITH(test::plans_of(replay(file, ", order: steady, shift: 1"), dense_stream(1500)),
+                    Catch::Contains("it does not go with order 'steady'"));
+  CHECK(test::plans_of(replay(file, ", order: shuffled, seed: 2"), dense_stream(1500)).size() ==
         test::plans_of(replay(file), dense_stream(1500)).size());
 }
 
