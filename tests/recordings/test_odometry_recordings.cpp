@@ -218,7 +218,8 @@ TEST_CASE(
     REQUIRE(run.costs.size() == run.update_times.size());
     const double share = overlap_share(run);
     CHECK(share > 0.01);
-    if (kCostCounts) CHECK(share <= limit);
+    CHECK(share <=
+          (kCostCounts ? limit : 1.5 * limit));  // a share of one run: other builds and busy machines keep near it
   }
 }
 

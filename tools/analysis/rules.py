@@ -169,15 +169,11 @@ def compute_saving(report, _):
     for metric in ("ate_m", "cpu_s_per_s", "updates"):
         report.medians(report.study.methods, metric)
     lines, saved, alone = [], 0, 0
-    # fixed_20_history, which as_lio is while the view is stable, is no rival. Of the sequences where it is as accurate: is it cheaper?
-    steady = []
     for sequence in report.study.sequences:
         ours, cost = (report.median("as_lio", sequence, metric) for metric in ("ate_m", "cpu_s_per_s"))
         found = ours is not None and not math.isinf(ours)
         equal = {method: report.median(method, sequence, "cpu_s_per_s") for method in report.study.methods
                  if found and method != "as_lio" and (report.median(method, sequence) or math.inf) <= 1.1 * ours}
-        if "fixed_20_history" in equal:
-            steady.append(below(equal.pop("fixed_20_history"), cost))
         cheaper = [method for method, price in equal.items() if below(price, cost)]
         wins = found and not cheaper
         saved += wins
@@ -188,8 +184,6 @@ def compute_saving(report, _):
     report.claim(f"as_lio saves on {saved} of {len(lines)} sequences (needs 6 of {NINE})", at_least(saved, 6, NINE, len(lines)))
     if alone:
         report.text(f"- on {alone} of these no rival is as accurate")
-    if "fixed_20_history" in report.study.methods:
-        report.text(f"- not judged: fixed_20_history is as accurate on {len(steady)} of {len(lines)} sequences, and cheaper on {sum(steady)} of these")
 
 
 def dynamic_people(report, _):

@@ -23,11 +23,20 @@ struct Settings {
   int layers = 0;
   TimeNs delay = 0, frame_length = 0;  // frame_length 0: a frame is its latest points
   std::size_t max_points = 0;
+  std::string metric = "chebyshev";
   std::string text() const {
     return fmt::format(
         "{{type: {}, voxel: 0.125, delay: {}, max_points: {}, min_points: 1, points: {}, frame_length: 0.12{}",  //
         layers == 0 ? "hard_voxel" : "soft_voxel", to_seconds(delay), max_points,
-        frame_length > 0 ? "window" : "latest", layers == 0 ? std::string() : fmt::format(", layers: {}", layers));
+        frame_length > 0 ? "window" : "latest",
+        layers == 0 ? std::string() : fmt::format(", layers: {}, metric: {}", layers, metric));
+  }
+  /// Layer of a cell that is (x, y, z) cells from the occupied one.
+  int layer(int x, int y, int z) const {
+    x = std::abs(x), y = std::abs(y), z = std::abs(z);
+    if (metric == "manhattan") return x + y + z;
+    if (metric == "euclid") return static_cast<int>(std::lround(std::sqrt(1.0 * x * x + 1.0 * y * y + 1.0 * z * z)));
+    return std::max({x, y, z});
   }
 };
 
@@ -115,9 +124,7 @@ class Reference {
     int nearest = is_.layers + 1;
     for (const Known& known : known_) {
       if (known.counts_from > horizon) continue;
-      const int away =
-          std::max({std::abs(known.cell.x - cell.x), std::abs(known.cell.y - cell.y), std::abs(known.cell.z - cell.z)});
-      nearest = std::min(nearest, away);
+      nearest = std::min(nearest, is_.layer(known.cell.x - cell.x, known.cell.y - cell.y, known.cell.z - cell.z));
     }
     return nearest;
   }
@@ -213,21 +220,26 @@ TEST_CASE(
   plugins::register_all(catalog);
   test::BuildEnvironment environment;
   const auto context = environment.context();
+  const auto hold = [&](const Settings& settings, std::uint64_t lives) {
+    for (const std::string store : {"block_hash", "flat_hash", "nested_hash"}) {
+      const std::string text = settings.text() + ", store: {type: " + store + "}}";
+      INFO(text);
+      for (std::uint64_t seed = 1; seed <= lives; ++seed) {
+        const auto metric = test::make_stage<OverlapMetric>(catalog, text, context);
+        live(*metric, Reference(settings, context.order_seed), seed);
+      }
+    }
+  };
   for (const int layers : {0, 2, 5}) {
     for (const TimeNs delay : {TimeNs{0}, 100 * kMs}) {
       for (const TimeNs frame_length : {TimeNs{0}, 120 * kMs}) {
-        for (const std::size_t max_points : {0, 60}) {
-          const Settings settings{layers, delay, frame_length, max_points};
-          for (const std::string store : {"block_hash", "flat_hash"}) {
-            const std::string text = settings.text() + ", store: {type: " + store + "}}";
-            INFO(text);
-            for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-              const auto metric = test::make_stage<OverlapMetric>(catalog, text, context);
-              live(*metric, Reference(settings, context.order_seed), seed);
-            }
-          }
-        }
+        for (const std::size_t max_points : {0, 60}) hold({layers, delay, frame_length, max_points}, 3);
       }
+    }
+  }
+  for (const std::string metric : {"manhattan", "euclid"}) {
+    for (const int layers : {1, 3}) {
+      for (const TimeNs frame_length : {TimeNs{0}, 120 * kMs}) hold({layers, 100 * kMs, frame_length, 60, metric}, 2);
     }
   }
 }

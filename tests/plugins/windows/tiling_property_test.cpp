@@ -22,9 +22,10 @@ TimeNs uniform(std::mt19937_64& random, TimeNs low, TimeNs high) {
 /// A schedule of two of the three seconds, with histories of up to 0.2 s.
 std::string random_schedule() {
   std::mt19937_64 random(5);
-  std::string text = "t_ns,window_begin_ns\n";
+  std::string text = "t_ns,window_begin_ns,gyro_rms_rad_s\n";
   for (TimeNs t = kStart + 30 * kMs; t < kStart + 2 * kSecond; t += uniform(random, kMs, 120 * kMs)) {
-    text += std::to_string(t) + ',' + std::to_string(t - uniform(random, 0, 200 * kMs)) + '\n';
+    text += std::to_string(t) + ',' + std::to_string(t - uniform(random, 0, 200 * kMs)) + ',' +
+            std::to_string(uniform(random, 0, 400)) + "e-2\n";
   }
   return text;
 }
@@ -38,21 +39,26 @@ class Candidates {
       all_.push_back(window == "{type: replay}" ? "{type: replay" + file + "}" : window);
     }
     if (test::one_under_test(WindowStrategy::family)) return;
-    all_.insert(
-        all_.end(),
-        {"{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 100}",
-         "{type: sod_adaptive, warmup: 0.3, seg_step: 0.03, n_least: 4, min_points: 100}",
-         "{type: sod_adaptive, warmup: 0.3, seg_step: 0.05, recover: ramp, lookahead: true}",
-         "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, lookahead: true, min_points: 0}",
-         "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 0, echo: false}",
-         "{type: fixed, period: 0.02, frame_length: 0.1}", "{type: fixed, cut: sweep, frame_length: 0.3}",
-         "{type: overlapping, length: 0.07, step: 0.013}", "{type: overlapping, length: 0.05, step: 0.05}",
-         "{type: motion_rate, min_points: 0, hold: 0}", "{type: motion_rate, slow_period: 0.03, hold: 0.05}",
-         "{type: motion_rate, frame_length: 0.2, fast_period: 0.008, threshold_deg: 20}",
-         "{type: imu_rate, emit: cuts}", "{type: imu_rate, emit: cuts, n_max: 32, rate_unit_deg: 4}",
-         "{type: imu_rate, frame_length: 0.05, n_max: 20, acc_unit: 0.5}", "{type: replay, shift: 0.7" + file + "}",
-         "{type: replay, order: steady" + file + "}", "{type: replay, order: shuffled, seed: 3" + file + "}",
-         "{type: replay, shift: -5, order: shuffled, period: 0.03" + file + "}"});
+    all_.insert(all_.end(), {"{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 100}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.03, n_least: 4, min_points: 100}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.05, recover: ramp, lookahead: true}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, lookahead: true, min_points: 0}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 0, echo: false}",
+                             "{type: fixed, period: 0.02, frame_length: 0.1}",
+                             "{type: fixed, cut: sweep, frame_length: 0.3}",
+                             "{type: overlapping, length: 0.07, step: 0.013}",
+                             "{type: overlapping, length: 0.05, step: 0.05}",
+                             "{type: motion_rate, min_points: 0, hold: 0}",
+                             "{type: motion_rate, slow_period: 0.03, hold: 0.05}",
+                             "{type: motion_rate, frame_length: 0.2, fast_period: 0.008, threshold_deg: 20}",
+                             "{type: imu_rate, emit: cuts}",
+                             "{type: imu_rate, emit: cuts, n_max: 32, rate_unit_deg: 4}",
+                             "{type: imu_rate, frame_length: 0.05, n_max: 20, acc_unit: 0.5}",
+                             "{type: replay, shift: 0.7" + file + "}",
+                             "{type: replay, order: steady" + file + "}",
+                             "{type: replay, order: turn_rate" + file + "}",
+                             "{type: replay, order: shuffled, seed: 3" + file + "}",
+                             "{type: replay, shift: -5, order: shuffled, period: 0.03" + file + "}"});
   }
 
   const std::vector<std::string>& all() const { return all_; }
