@@ -30,6 +30,11 @@ bool SegmentSchedule::anticipate(std::optional<double> overlap) {
   return true;
 }
 
+void SegmentSchedule::limit(std::int64_t n) {
+  n_limit_ = std::clamp(n, n_least_, n_most_);
+  if (n_ > n_limit_) arm(n_limit_);
+}
+
 void SegmentSchedule::restart() { arm(n_least_); }
 
 void SegmentSchedule::arm(std::int64_t n) {

@@ -22,7 +22,13 @@ class SegmentSchedule {
   /// seg_step in (0, 1]: loss of overlap per segment; n_least, n_limit: smallest and largest n, 2 <= n_least <=
   /// n_limit; without `echo` an echo lasts a single update, so that n may fall at each.
   SegmentSchedule(double seg_step, std::int64_t n_least, std::int64_t n_limit, Recover recover, bool echo = true)
-      : seg_step_(seg_step), n_least_(n_least), n_limit_(n_limit), recover_(recover), holds_(echo), n_(n_least) {}
+      : seg_step_(seg_step),
+        n_least_(n_least),
+        n_most_(n_limit),
+        n_limit_(n_limit),
+        recover_(recover),
+        holds_(echo),
+        n_(n_least) {}
 
   /// n that an overlap in [0, 1] asks for. eq. WIN-1, AS-LIO (7), clamped to [n_least, n_limit]: n = 1 would leave a
   /// hole of L.
@@ -35,6 +41,8 @@ class SegmentSchedule {
   void observe(std::optional<double> overlap, std::int64_t least = 2);
   /// Before an update: the overlap predicted for coming points. Only a rise of n counts; says whether there was one.
   bool anticipate(std::optional<double> overlap);
+  /// From now on n does not exceed `n` either, though n_least stays allowed.
+  void limit(std::int64_t n);
   /// Back to the start: n_least (warm-up of the map).
   void restart();
   /// The next overlap decides, whatever was left of the echo (gap in the data).
@@ -48,7 +56,8 @@ class SegmentSchedule {
   void arm(std::int64_t n);
 
   double seg_step_;
-  std::int64_t n_least_, n_limit_;
+  std::int64_t n_least_, n_most_;
+  std::int64_t n_limit_;  ///< n_most_, or what limit() said
   Recover recover_;
   bool holds_;
   std::int64_t n_;

@@ -44,6 +44,10 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
   b.integer("weak_segments", p.weak_segments, "", {.min = 2, .max = 1000},
             "least n after an update with few matches or a degenerate view, where the overlap may be full and yet say "
             "little: n_least or less leaves the overlap alone to decide, as the paper does");
+  b.integer(
+      "imu_samples", p.imu_samples, "", {.min = 0, .max = 1000},
+      "IMU samples per update, in the mean, at least: the rate rises no further than that, though to n_least, for "
+      "between samples motion is interpolated, not measured; 0: no such limit");
   b.require(p.n_least <= p.n_max, "n_least", "must not exceed n_max");
   b.require(p.n_least <= 2 * to_ns(p.frame_length) / to_ns(p.shift_min), "shift_min",
             "must not exceed 2 frame_length / n_least, the time between updates while the overlap is full");
@@ -54,6 +58,7 @@ SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& c
       warmup_(to_ns(params.warmup)),
       lookahead_(params.lookahead),
       weak_segments_(params.weak_segments),
+      imu_samples_(params.imu_samples),
       request_{.limit = frame_length_,
                .min_points = static_cast<std::size_t>(params.min_points),
                .min_range = context.sensor.min_range,
@@ -67,7 +72,21 @@ bool SodAdaptiveWindow::warming_up(const Feedback& feedback) const {
   return feedback.first_insertion == kTimeMax || feedback.t - feedback.first_insertion < warmup_;
 }
 
+void SodAdaptiveWindow::pace(std::span<const ImuSample> imu) {
+  TimeNs before = last_imu_;
+  for (const ImuSample& sample : imu) {
+    if (before != kTimeMin && sample.t - before <= kSecond) {  // more is a gap
+      imu_time_ += sample.t - before;
+      ++imu_intervals_;
+    }
+    before = sample.t;
+  }
+}
+
 void SodAdaptiveWindow::absorb(const Feedback& feedback) {
+  if (imu_samples_ > 0 && imu_time_ > 0) {  // eq. WIN-8
+    schedule_.limit(2 * frame_length_ / imu_samples_ * imu_intervals_ / imu_time_);
+  }
   // An almost empty map would score every frame as new. A frame with few matches is no reason to doubt a low overlap.
   if (warming_up(feedback)) {
     schedule_.restart();
@@ -117,6 +136,7 @@ std::optional<WindowPlan> SodAdaptiveWindow::next(const StreamView& stream, cons
   plan.echo = static_cast<std::uint32_t>(schedule_.echo());
   plan.extended = tile->extended;
   plan.partial = tile->partial;
+  pace(stream.imu(feedback.t, tile->end));
   if (follows_gap(stream, feedback.t, tile->end)) schedule_.end_echo();
   awaits_feedback_ = true;
   return plan;

@@ -24,6 +24,7 @@ class SodAdaptiveWindow final : public WindowStrategy {
     bool lookahead = false;
     std::int64_t min_points = 300;
     std::int64_t weak_segments = 2;
+    std::int64_t imu_samples = 1;
   };
   static void describe(config::Binder& b, Params& p);
 
@@ -38,11 +39,14 @@ class SodAdaptiveWindow final : public WindowStrategy {
   bool look_ahead(const StreamView& stream, TimeNs begin, OverlapProbe& probe);
   /// Whether points or IMU data were missing for more than two frame lengths before or within (begin, end].
   bool follows_gap(const StreamView& stream, TimeNs begin, TimeNs end);
+  /// Takes note of the time between IMU samples, those of a window behind those before.
+  void pace(std::span<const ImuSample> imu);
 
   TimeNs frame_length_;
   TimeNs warmup_;
   bool lookahead_;
   std::int64_t weak_segments_;
+  std::int64_t imu_samples_;
   TileRequest request_;  ///< constants of every request; begin and shift are those of the pending window
   SegmentSchedule schedule_;
   bool awaits_feedback_ = false;  ///< a window was returned and its feedback not yet seen
@@ -50,6 +54,8 @@ class SodAdaptiveWindow final : public WindowStrategy {
   // Last data of the windows returned; kTimeMin before the first.
   TimeNs last_point_ = kTimeMin;
   TimeNs last_imu_ = kTimeMin;
+  TimeNs imu_time_ = 0;             ///< of the intervals between samples, without gaps [ns]
+  std::int64_t imu_intervals_ = 0;  ///< their number
 };
 
 }  // namespace aslio::plugins

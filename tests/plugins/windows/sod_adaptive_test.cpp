@@ -77,6 +77,34 @@ TEST_CASE("with n = 2 there is no history and with n = 9 it is 3.5 times the fre
         Approx(3.5).epsilon(1e-6));
 }
 
+TEST_CASE(
+    "no update without an IMU sample of its own, unless that is asked for, and n_least in any case") {  // eq. WIN-8
+  const auto shortest = [](TimeNs imu_period, std::int64_t samples, std::int64_t n_least = 2) {
+    std::vector<TimedPoint> points;
+    test::add_points(points, 0, 4000 * kMs, kMs, 20);
+    SodAdaptiveWindow::Params params;  // the overlap counts after 1 s
+    params.imu_samples = samples;
+    params.n_least = n_least;
+    std::vector<ImuSample> imu;
+    for (TimeNs t = 0; t <= 4000 * kMs; t += imu_period) imu.push_back({.t = t});
+    // A gap of 1.5 s says nothing about the rate.
+    std::erase_if(imu, [](const ImuSample& sample) { return sample.t > 2000 * kMs && sample.t < 3500 * kMs; });
+    TimeNs least = kSecond;
+    for (const WindowPlan& plan : run(params, {std::move(points), std::move(imu)}, constant(0.0))) {
+      if (!plan.partial) least = std::min(least, plan.end - plan.fresh_begin);
+    }
+    return static_cast<double>(least) / kMs;
+  };
+  // Overlap 0 asks for n = 11: 18.2 ms.
+  CHECK(shortest(5 * kMs, 1) == Approx(200.0 / 11).margin(0.01));
+  CHECK(shortest(18 * kMs, 1) == Approx(200.0 / 11).margin(0.01));
+  CHECK(shortest(30 * kMs, 1) == Approx(200.0 / 6).margin(0.01));
+  CHECK(shortest(30 * kMs, 0) == Approx(200.0 / 11).margin(0.01));
+  CHECK(shortest(10 * kMs, 3) == Approx(200.0 / 6).margin(0.01));
+  CHECK(shortest(103 * kMs, 1) == 100.0);
+  CHECK(shortest(103 * kMs, 1, 4) == 50.0);
+}
+
 TEST_CASE("the overlap is ignored until the warm-up after the first insertion is over") {
   SodAdaptiveWindow::Params params;
   params.warmup = 0.5;
