@@ -63,17 +63,14 @@ struct Row {
     if (t < -farthest || t > farthest) refuse(fmt::format("{} {} is out of range", name, t));
     return t;
   }
-  /// NaN where the field is empty: an update without an IMU sample.
-  double rate(std::size_t index, std::string_view name) const {
+  /// NaN where there is no number: of use to one order alone, which refuses that itself.
+  double rate(std::size_t index) const {
     const auto value = field(text, index);
-    if (!value) refuse(fmt::format("the line ends before column '{}'", name));
-    if (value->empty()) return std::numeric_limits<double>::quiet_NaN();
-    double rate = 0.0;
+    double rate = std::numeric_limits<double>::quiet_NaN();
+    if (!value) return rate;
     const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), rate);
-    if (error != std::errc() || end != value->data() + value->size()) {
-      refuse(fmt::format("{} '{}' is not a number", name, value->substr(0, 40)));
-    }
-    return rate;
+    return error == std::errc() && end == value->data() + value->size() ? rate
+                                                                        : std::numeric_limits<double>::quiet_NaN();
   }
 };
 
@@ -89,13 +86,13 @@ std::vector<std::size_t> lengths_by_turn_rate(const std::vector<ReplaySchedule::
                    [&](std::size_t a, std::size_t b) { return updates[a + 1].turn_rate > updates[b + 1].turn_rate; });
   std::stable_sort(by_duration.begin(), by_duration.end(),
                    [&](std::size_t a, std::size_t b) { return duration(a) < duration(b); });
-  TimeNs twice_middle = 0, until = 0;  // of an interval in the one order, and where one in the other ends
+  TimeNs begin = 0, until = 0;  // where an interval begins in the one order, and where one ends in the other
   auto shortest = by_duration.begin();
   for (const std::size_t i : by_rate) {
-    twice_middle += duration(i);
-    while (2 * (until + duration(*shortest)) <= twice_middle) until += duration(*shortest++);
+    const TimeNs middle = begin + duration(i) / 2;
+    while (until + duration(*shortest) <= middle) until += duration(*shortest++);
     like[i] = *shortest;
-    twice_middle += duration(i);
+    begin += duration(i);
   }
   return like;
 }
@@ -150,7 +147,7 @@ ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& s
       }
       if (begin_column) update.history = std::max<TimeNs>(previous - row.time(*begin_column, "window_begin_ns"), 0);
     }
-    if (rate_column) update.turn_rate = row.rate(*rate_column, "gyro_rms_rad_s");
+    if (rate_column) update.turn_rate = row.rate(*rate_column);
     schedule.updates_.push_back(update);
   }
   if (schedule.updates_.empty()) throw DataError(fmt::format("{}: holds no update: is it the right file?", source));

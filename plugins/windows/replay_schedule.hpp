@@ -34,11 +34,13 @@ class ReplaySchedule {
   /// Puts the intervals between the ends, each with its history, into an order drawn from `seed`. The first and the
   /// last end stay.
   void shuffle(std::uint64_t seed);
-  /// Puts the ends at equal distances between the first and the last. Every window keeps its length.
+  /// Puts the ends at equal distances between the first and the last. Every window keeps its length, unless that is
+  /// less than the distance.
   void steady();
-  /// As many updates, and as much time spent in intervals of each length, but the shorter the faster the sensor turns
-  /// there: where its turn rate is above that of a share q of the time, the interval is the one that a share q of the
-  /// time has longer ones than. The first and the last end stay; a window is as long as those of such intervals were.
+  /// As many updates, and about as much time spent in intervals of each length (all are stretched by the one factor
+  /// that makes the number the same), but the shorter the faster the sensor turns there: where its turn rate is above
+  /// that of a share q of the time, the interval is the one that a share q of the time has longer ones than. The first
+  /// and the last end stay; a window is as long as those of such intervals were.
   /// Throws DataError when a turn rate is not known.
   void by_turn_rate();
 

@@ -1,6 +1,7 @@
 #include "windows/sod_adaptive.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace aslio::plugins {
 
@@ -8,6 +9,8 @@ namespace {
 
 /// Step at which coming points are looked at [ns]: 2.6 deg of a 257 deg/s turn.
 constexpr TimeNs kLookaheadStep = 10'000'000;
+/// IMU data of so long [ns] tell its rate.
+constexpr double kImuMemory = 2e9;
 
 /// Silence before the first of `data`, of which `last` came before; `last` becomes the last of them.
 template <class T>
@@ -76,8 +79,12 @@ void SodAdaptiveWindow::pace(std::span<const ImuSample> imu) {
   TimeNs before = last_imu_;
   for (const ImuSample& sample : imu) {
     if (before != kTimeMin && sample.t - before <= kSecond) {  // more is a gap
-      imu_time_ += sample.t - before;
-      ++imu_intervals_;
+      imu_time_ += static_cast<double>(sample.t - before);
+      imu_intervals_ += 1;
+    }
+    if (imu_time_ > kImuMemory) {
+      imu_time_ /= 2;
+      imu_intervals_ /= 2;
     }
     before = sample.t;
   }
@@ -85,7 +92,10 @@ void SodAdaptiveWindow::pace(std::span<const ImuSample> imu) {
 
 void SodAdaptiveWindow::absorb(const Feedback& feedback) {
   if (imu_samples_ > 0 && imu_time_ > 0) {  // eq. WIN-8
-    schedule_.limit(2 * frame_length_ / imu_samples_ * imu_intervals_ / imu_time_);
+    // A hundredth of a segment more: stamps round.
+    schedule_.limit(static_cast<std::int64_t>(std::floor(2 * static_cast<double>(frame_length_) * imu_intervals_ /
+                                                             (static_cast<double>(imu_samples_) * imu_time_) +
+                                                         0.01)));
   }
   // An almost empty map would score every frame as new. A frame with few matches is no reason to doubt a low overlap.
   if (warming_up(feedback)) {

@@ -39,7 +39,8 @@ class SodAdaptiveWindow final : public WindowStrategy {
   bool look_ahead(const StreamView& stream, TimeNs begin, OverlapProbe& probe);
   /// Whether points or IMU data were missing for more than two frame lengths before or within (begin, end].
   bool follows_gap(const StreamView& stream, TimeNs begin, TimeNs end);
-  /// Takes note of the time between IMU samples, those of a window behind those before.
+  /// Takes note of the time between IMU samples, those of a window behind those before; what is older than some two
+  /// seconds counts half, older than four a quarter.
   void pace(std::span<const ImuSample> imu);
 
   TimeNs frame_length_;
@@ -54,8 +55,8 @@ class SodAdaptiveWindow final : public WindowStrategy {
   // Last data of the windows returned; kTimeMin before the first.
   TimeNs last_point_ = kTimeMin;
   TimeNs last_imu_ = kTimeMin;
-  TimeNs imu_time_ = 0;             ///< of the intervals between samples, without gaps [ns]
-  std::int64_t imu_intervals_ = 0;  ///< their number
+  double imu_time_ = 0;       ///< of the intervals between samples of late, without gaps [ns]
+  double imu_intervals_ = 0;  ///< their number
 };
 
 }  // namespace aslio::plugins

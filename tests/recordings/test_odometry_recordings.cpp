@@ -167,7 +167,7 @@ TEST_CASE("fixed_window follows FAST-LIO2 within 10 cm on the KITTI drive, with 
   CHECK(run_on_kitti("fixed_window", 2).trajectory_sha256 == run.trajectory_sha256);
 }
 
-TEST_CASE("as_lio follows FAST-LIO2 within 6 cm on the KITTI drive, no faster than its IMU of 9.7 Hz") {
+TEST_CASE("as_lio follows FAST-LIO2 within 6 cm on the KITTI drive, at 10 Hz, where its IMU has 9.7") {
   const RecordedRun run = run_on_kitti("as_lio");
   CHECK(run.summary.status == pipeline::RunStatus::ok);
   CHECK(run.ate_m() <= 0.060);

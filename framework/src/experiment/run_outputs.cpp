@@ -65,7 +65,8 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
   fmt::format_to(out, ",{:016x},{},{},{},{},", record.digest, plan.extended ? 1 : 0, plan.partial ? 1 : 0,
                  record.update->fresh_matches, record.update->history_matches);
   if (solved) fmt::format_to(out, "{}", record.residual_rms);
-  fmt::format_to(out, ",{},{},{}", record.inserted.inserted, pipeline::name(record.tracking), record.gyro_rms);
+  fmt::format_to(out, ",{},{},", record.inserted.inserted, pipeline::name(record.tracking));
+  if (std::isfinite(record.gyro_rms)) fmt::format_to(out, "{}", record.gyro_rms);
   const NavState& prior = record.update->prior;
   const bool known = finite(prior);
   Eigen::Quaterniond q(prior.R);

@@ -1,6 +1,7 @@
 #include "aslio/pipeline/odometry.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/pipeline/stage_set.hpp"
@@ -13,7 +14,8 @@ namespace {
 double gyro_rms(std::span<const ImuSample> samples) {
   double squares = 0;
   for (const ImuSample& sample : samples) squares += sample.gyro.squaredNorm();
-  return samples.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(samples.size()));
+  return samples.empty() ? std::numeric_limits<double>::quiet_NaN()
+                         : std::sqrt(squares / static_cast<double>(samples.size()));
 }
 
 }  // namespace

@@ -135,6 +135,26 @@ TEST_CASE("a smallest n above two leaves old points in every window, and nothing
   CHECK(schedule.n() == 4);
 }
 
+TEST_CASE("a limit takes n down at once, whoever asks for more, and lets it rise again; n_least stays") {
+  SegmentSchedule schedule(0.1, 2, 25, Recover::step);
+  schedule.observe(0.2);  // 9
+  schedule.observe(0.2);
+  REQUIRE(schedule.n() == 9);
+  schedule.limit(6);
+  CHECK(schedule.n() == 6);
+  CHECK(schedule.echo() == 6);
+  CHECK_FALSE(schedule.anticipate(0.0));
+  schedule.observe(0.0, 8);
+  CHECK(schedule.n() == 6);
+  CHECK(schedule.echo() == 5);
+  schedule.limit(100);
+  schedule.observe(0.0, 8);
+  CHECK(schedule.n() == 11);
+  schedule.limit(0);
+  CHECK(schedule.n() == 2);
+  CHECK(schedule.echo() == 1);
+}
+
 TEST_CASE("ramp: n falls by one per echo, never below what the overlap asks for") {
   SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::ramp);
   schedule.observe(0.55);

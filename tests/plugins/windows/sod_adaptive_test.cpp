@@ -1,5 +1,6 @@
 #include "windows/sod_adaptive.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "plugins/allocation_count.hpp"
@@ -77,25 +78,36 @@ TEST_CASE("with n = 2 there is no history and with n = 9 it is 3.5 times the fre
         Approx(3.5).epsilon(1e-6));
 }
 
-TEST_CASE(
-    "no update without an IMU sample of its own, unless that is asked for, and n_least in any case") {  // eq. WIN-8
+namespace {
+
+/// Lengths [ms] of the windows that end in (begin, end] ms of an overlap of 0, which asks for n = 11: 18.2 ms.
+std::vector<double> lengths(std::vector<ImuSample> imu, std::int64_t imu_samples, std::int64_t n_least, TimeNs begin,
+                            TimeNs end) {
+  std::vector<TimedPoint> points;
+  test::add_points(points, 0, end * kMs, kMs, 20);
+  SodAdaptiveWindow::Params params;
+  params.warmup = 2.0;
+  params.imu_samples = imu_samples;
+  params.n_least = n_least;
+  std::vector<double> found;
+  for (const WindowPlan& plan : run(params, {std::move(points), std::move(imu)}, constant(0.0))) {
+    if (plan.end <= begin * kMs || plan.partial) continue;
+    found.push_back(1e-6 * static_cast<double>(plan.end - plan.fresh_begin));
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("of late no more updates than IMU samples, unless that is asked for, but n_least in any case") {  // eq. WIN-8
   const auto shortest = [](TimeNs imu_period, std::int64_t samples, std::int64_t n_least = 2) {
-    std::vector<TimedPoint> points;
-    test::add_points(points, 0, 4000 * kMs, kMs, 20);
-    SodAdaptiveWindow::Params params;  // the overlap counts after 1 s
-    params.imu_samples = samples;
-    params.n_least = n_least;
     std::vector<ImuSample> imu;
     for (TimeNs t = 0; t <= 4000 * kMs; t += imu_period) imu.push_back({.t = t});
-    // A gap of 1.5 s says nothing about the rate.
-    std::erase_if(imu, [](const ImuSample& sample) { return sample.t > 2000 * kMs && sample.t < 3500 * kMs; });
-    TimeNs least = kSecond;
-    for (const WindowPlan& plan : run(params, {std::move(points), std::move(imu)}, constant(0.0))) {
-      if (!plan.partial) least = std::min(least, plan.end - plan.fresh_begin);
-    }
-    return static_cast<double>(least) / kMs;
+    // A gap of 1.5 s before the overlap counts says nothing about the rate.
+    std::erase_if(imu, [](const ImuSample& sample) { return sample.t > 300 * kMs && sample.t < 1800 * kMs; });
+    const std::vector<double> found = lengths(std::move(imu), samples, n_least, 0, 4000);
+    return *std::min_element(found.begin(), found.end());
   };
-  // Overlap 0 asks for n = 11: 18.2 ms.
   CHECK(shortest(5 * kMs, 1) == Approx(200.0 / 11).margin(0.01));
   CHECK(shortest(18 * kMs, 1) == Approx(200.0 / 11).margin(0.01));
   CHECK(shortest(30 * kMs, 1) == Approx(200.0 / 6).margin(0.01));
@@ -103,6 +115,14 @@ TEST_CASE(
   CHECK(shortest(10 * kMs, 3) == Approx(200.0 / 6).margin(0.01));
   CHECK(shortest(103 * kMs, 1) == 100.0);
   CHECK(shortest(103 * kMs, 1, 4) == 50.0);
+}
+
+TEST_CASE("an IMU that slows down is followed within seconds, however long it was fast") {  // eq. WIN-8
+  std::vector<ImuSample> imu;
+  for (TimeNs t = 0; t <= 40'000 * kMs; t += (t < 30'000 * kMs ? 5 : 50) * kMs) imu.push_back({.t = t});
+  const std::vector<double> before = lengths(imu, 1, 2, 29'000, 30'000), after = lengths(imu, 1, 2, 36'000, 40'000);
+  CHECK(*std::max_element(before.begin(), before.end()) == Approx(200.0 / 11).margin(0.01));
+  CHECK(*std::min_element(after.begin(), after.end()) == Approx(50.0).margin(0.01));
 }
 
 TEST_CASE("the overlap is ignored until the warm-up after the first insertion is over") {

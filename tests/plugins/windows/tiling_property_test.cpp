@@ -39,7 +39,10 @@ class Candidates {
       all_.push_back(window == "{type: replay}" ? "{type: replay" + file + "}" : window);
     }
     if (test::one_under_test(WindowStrategy::family)) return;
-    all_.insert(all_.end(), {"{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 100}",
+    all_.insert(all_.end(), {"{type: sod_adaptive, warmup: 0.3, seg_step: 0.005, weak_segments: 2}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, imu_samples: 3}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.03, imu_samples: 4, lookahead: true}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 100}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.03, n_least: 4, min_points: 100}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.05, recover: ramp, lookahead: true}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, lookahead: true, min_points: 0}",

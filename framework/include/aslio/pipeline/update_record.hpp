@@ -29,7 +29,7 @@ struct UpdateRecord {
   int iterations = 0;
   std::uint32_t n_matches = 0;  ///< accepted fresh and history residuals
   std::array<double, 6> spectrum{};
-  double gyro_rms = 0;  ///< of the measured turn rate over the window's IMU samples [rad/s]
+  double gyro_rms = 0;  ///< of the measured turn rate over the window's IMU samples [rad/s]; NaN without any
   double residual_rms = 0;
   InsertCount inserted;
   std::size_t map_points = 0;
