@@ -146,7 +146,7 @@ std::optional<WindowPlan> SodAdaptiveWindow::next(const StreamView& stream, cons
   plan.echo = static_cast<std::uint32_t>(schedule_.echo());
   plan.extended = tile->extended;
   plan.partial = tile->partial;
-  pace(stream.imu(feedback.t, tile->end));
+  pace(stream.imu(feedback.t, tile->end));  // before last_imu_ moves on
   if (follows_gap(stream, feedback.t, tile->end)) schedule_.end_echo();
   awaits_feedback_ = true;
   return plan;

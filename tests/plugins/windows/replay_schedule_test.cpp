@@ -214,9 +214,11 @@ TEST_CASE("replay: an order by turn rate needs the turn rate of every update") {
   CHECK_THAT(failure("t_ns\n100\n200\n"), Contains("plan.csv: gyro_rms_rad_s of the update that ends at 200 ns"));
   CHECK_THAT(failure("t_ns,gyro_rms_rad_s\n100,\n200,1\n300,\n"), Contains("the update that ends at 300 ns"));
   CHECK(failure("t_ns,gyro_rms_rad_s\n100,\n200,1\n").empty());  // what was before the first end is not moved
-  // No other order looks at the column.
   CHECK_THAT(failure("t_ns,gyro_rms_rad_s\n100,1\n200,fast\n"), Contains("the update that ends at 200 ns"));
   CHECK_THAT(failure("t_ns,gyro_rms_rad_s\n100,1\n200\n"), Contains("the update that ends at 200 ns"));
+  ReplaySchedule other = ReplaySchedule::parse("t_ns,gyro_rms_rad_s\n100,-\n150\n300,fast\n", "plan.csv");
+  other.steady();  // no other order looks at the column
+  CHECK(ends(other) == std::vector<TimeNs>{100, 200, 300});
 }
 
 TEST_CASE("replay: the next update is the first that ends later") {
