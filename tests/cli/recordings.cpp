@@ -99,6 +99,10 @@ void write_bag(const std::filesystem::path& bag, const Recording& recording) {
   while (auto measurement = source->next()) {
     const auto* imu = std::get_if<ImuSample>(&*measurement);
     if (imu != nullptr && imu->t > end) break;
+    if (const auto* packet = std::get_if<LidarPacket>(&*measurement)) {
+      const double at = to_seconds(packet->stamp - world.begin_time());
+      if (at >= recording.blind_from && at < recording.blind_until) continue;
+    }
     std::visit([&](auto& m) { recorder.write(std::move(m)); }, *measurement);
   }
   recorder.close();

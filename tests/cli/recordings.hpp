@@ -7,7 +7,8 @@
 namespace aslio::test {
 
 struct Recording {
-  double duration = 2.0;  ///< [s] of the world's walk, which starts at rest
+  double duration = 2.0;                   ///< [s] of the world's walk, which starts at rest
+  double blind_from = 0, blind_until = 0;  ///< [s] no LiDAR message begins within
   std::string lidar_topic = "/livox/lidar";
   bool imu = true;
   bool acc_in_g = true;

@@ -29,7 +29,7 @@ TEST_CASE("a run leaves its files, with the columns that are documented") {
         "t_ns,window_begin_ns,status,n_fresh,n_history,sod,layer_0,layer_1,layer_2,layer_3,layer_4,layer_5,layer_6,"
         "layer_7,seg_time,shift_time_s,echo,iterations,n_matches,eig_1,eig_2,eig_3,eig_4,eig_5,eig_6,digest,"
         "extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,"
-        "gyro_rms_rad_s,prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw");
+        "gyro_rms_rad_s,prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw,segment");
   const auto poses = io::read_tum(out / "trajectory.tum");
   const auto stamps = column(out / "updates.csv", "t_ns");
   REQUIRE(poses.size() == stamps.size());
@@ -162,4 +162,38 @@ TEST_CASE("a run that is lost for good ends there on demand, and is judged as if
   CHECK(b.at("updates").get<int>() < a.at("updates").get<int>());
   CHECK(b.at("updates").get<int>() > 20);
   CHECK(bench.run("none", {"--stop-when-diverged"}).code == 0);  // without a reference
+}
+
+TEST_CASE("a run that is lost says so, begins anew, and keeps the maps apart") {
+  const Bench bench({.duration = 5.0, .blind_from = 2.0, .blind_until = 3.5});
+  const Ended ended = bench.run("out", {"--set", "max_gap=1", "--save-map", bench / "map.ply"});
+  CHECK(ended.code == 1);
+  CHECK_THAT(ended.err, Contains("diverged: no points for 1.5") && Contains("longer than max_gap 1 s") &&
+                            Contains("; begun anew 0.1") && Contains("s later with an empty map"));
+  const Json summary = json(bench / "out/summary.json");
+  CHECK(summary.at("status") == "diverged");
+  REQUIRE(summary.at("losses").size() == 1);
+  const Json loss = summary.at("losses").at(0);
+  CHECK(loss.at("t_ns") == summary.at("moment_ns"));
+  CHECK(loss.at("restarted_ns").get<TimeNs>() > loss.at("t_ns").get<TimeNs>());
+  const auto segments = column(bench / "out/updates.csv", "segment");
+  CHECK(segments.front() == "0");
+  CHECK(segments.back() == "1");
+  CHECK(column(bench / "out/updates.csv", "tracking").back() == "ok");
+  CHECK(content(bench / "map.ply").size() > 10000);
+  CHECK(content(bench / "map.segment_2.ply").size() > 10000);
+  const auto poses = io::read_tum(bench / "out/trajectory.tum");
+  CHECK(to_seconds(poses.back().t - poses.front().t) > 4.5);
+
+  for (const std::vector<std::string>& ending :
+       {std::vector<std::string>{"--set", "when_lost=end"}, std::vector<std::string>{"--stop-when-diverged"}}) {
+    std::vector<std::string> arguments = {"--set", "max_gap=1", "--save-map", bench / "map.ply"};
+    arguments.insert(arguments.end(), ending.begin(), ending.end());
+    const Ended there = bench.run("out", arguments);
+    CHECK(there.code == 1);
+    CHECK_THAT(there.err, Contains("diverged: no points for 1.5") && !Contains("anew"));
+    const auto some = io::read_tum(bench / "out/trajectory.tum");
+    CHECK(to_seconds(some.back().t - some.front().t) < 2.1);
+    CHECK_FALSE(std::filesystem::exists(bench / "map.segment_2.ply"));  // of the run before
+  }
 }

@@ -72,7 +72,7 @@ Run::Run(const pipeline::PipelineConfig& config, const SensorModel& sensor, int 
 }
 
 void Run::push(const Measurement& measurement) {
-  if (!odometry.divergence()) odometry.push(Measurement(measurement));
+  if (!odometry.has_ended()) odometry.push(Measurement(measurement));
 }
 
 Run& Run::play(const Recording& recording) {

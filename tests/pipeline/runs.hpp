@@ -33,7 +33,7 @@ class Run final : public pipeline::UpdateObserver {
  public:
   Run(const pipeline::PipelineConfig& config, const SensorModel& sensor, int threads = 1);
 
-  /// As the command does: nothing is pushed once the run has diverged.
+  /// As the command does: nothing is pushed once the run has ended.
   void push(const Measurement& measurement);
   void finish() { odometry.finish(); }
   /// Pushes everything and finishes.

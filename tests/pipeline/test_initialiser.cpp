@@ -186,3 +186,75 @@ TEST_CASE("initialisation: the levelled attitude takes the force to +z without y
     CHECK(R(0, 0) > -1e-9);           // .. and not backwards
   }
 }
+
+// eq. INI-5.
+TEST_CASE("a new start: from samples after the loss, at the last place, with the last heading and the tilt of now") {
+  Start start;
+  start.imu(0, 1.0, 0.005, kUp).imu(1.005, 2.0, 0.005, Vec3(0, kStandardGravity, 0));
+  const Pose last{exp_so3(Vec3(0, 0, 0.7)) * exp_so3(Vec3(0.2, 0, 0)), Vec3(4, 5, 6)};
+  const TimeNs lost = kEpoch + to_ns(1.2);
+  const auto found = initialise_anew(start.stream, {}, SensorModel{}, true, lost, last);
+  REQUIRE(found);
+  const InitialState& initial = found->initial;
+  CHECK(to_seconds(initial.state.t - lost) == Approx(0.105).margin(1e-6));  // the first sample after it, and 0.1 s
+  CHECK(initial.mode == InitialMode::static_start);
+  CHECK(initial.state.p == last.p);
+  CHECK((initial.state.R * Vec3(0, 1, 0) - Vec3::UnitZ()).norm() < 1e-12);  // up is where the force points
+  const Mat3 heading = exp_so3(Vec3(0, 0, 0.7));
+  const auto cold = initialise_anew(start.stream, {}, SensorModel{}, true, lost, Pose{});
+  CHECK((initial.state.R - heading * cold->initial.state.R).norm() < 1e-12);
+  CHECK_FALSE(initialise_anew(start.stream, {}, SensorModel{}, true, kEpoch + to_ns(1.95), last));  // not yet
+}
+
+TEST_CASE("a new start passes over an acceleration that cannot be gravity") {
+  Start start;
+  start.imu(0, 0.5, 0.005, 30.0 * kUp).imu(0.505, 1.0, 0.005, kUp);
+  const auto found = initialise_anew(start.stream, {}, SensorModel{}, true, kEpoch, Pose{});
+  REQUIRE(found);
+  CHECK(found->initial.state.t >= kEpoch + to_ns(0.6));
+  CHECK_FALSE(initialise_anew(Start().imu(0, 1, 0.005, 30.0 * kUp).stream, {}, SensorModel{}, true, kEpoch, Pose{}));
+}
+
+TEST_CASE("a new start without IMU is at the next point, with the whole attitude that was known") {
+  Start start(0.5);
+  const Pose last{exp_so3(Vec3(0.3, 0.2, 0.1)), Vec3(1, 2, 3)};
+  CHECK_FALSE(initialise_anew(start.stream, {}, SensorModel{}, false, kEpoch + to_ns(0.6), last));
+  const auto found = initialise_anew(start.stream, {}, SensorModel{}, false, kEpoch, last);
+  REQUIRE(found);
+  CHECK(found->initial.state.t == kEpoch + to_ns(0.5) - 1);
+  CHECK(found->initial.state.R == last.R);
+  CHECK(found->initial.state.p == last.p);
+}
+
+TEST_CASE("a new start in motion recalls what was dead-reckoned, the less surely the longer that was") {
+  InitialState start;
+  start.mode = InitialMode::dynamic_start;
+  start.state.t = 7;
+  start.sigma_velocity = 3.0;
+  start.sigma_tilt = 0.2;
+  start.sigma_gyro_bias = 0.02;
+  NavState reckoned;
+  reckoned.R = exp_so3(Vec3(0.1, 0, 0)) * exp_so3(Vec3(0, 0, 2));
+  reckoned.v = Vec3(1, 2, 0);
+  reckoned.b_w = Vec3(0.01, 0, 0);
+  InitialState soon = start, late = start;
+  recall(soon, reckoned, 1.0);
+  recall(late, reckoned, 100.0);
+  CHECK(soon.state.t == 7);
+  CHECK(soon.state.R == reckoned.R);
+  CHECK(soon.state.v == reckoned.v);
+  CHECK(soon.state.b_w == reckoned.b_w);
+  CHECK(soon.sigma_velocity == Approx(0.4));
+  CHECK(soon.sigma_tilt < late.sigma_tilt);
+  CHECK(late.sigma_velocity == 3.0);
+  CHECK(late.mode == InitialMode::dynamic_start);  // the velocity is still looked for
+
+  InitialState at_rest = start, tilted = start;
+  at_rest.mode = InitialMode::static_start;
+  recall(at_rest, reckoned, 1.0);
+  CHECK(at_rest.state.v == Vec3::Zero());
+  reckoned.R = exp_so3(Vec3(0.5, 0, 0));  // 29 deg from where the accelerometer has the vertical
+  recall(tilted, reckoned, 1.0);
+  CHECK(tilted.state.v == Vec3::Zero());
+  CHECK(tilted.sigma_velocity == 3.0);
+}

@@ -99,7 +99,8 @@ TEST_CASE("the overlap is measured after the update and before the points are me
 }
 
 TEST_CASE("a refused step forgets the history, and inserts only while dead reckoning is good") {
-  const Watched run({"estimator.min_matches=1000000", "estimator.noise=fastlio", "insertion.type=on_new"}, 2.0);
+  const Watched run(
+      {"estimator.min_matches=1000000", "estimator.noise=fastlio", "insertion.type=on_new", "when_lost=end"}, 2.0);
   REQUIRE(run.updates.size() == run.journal.steps.size());
   REQUIRE(run.updates.front().status == UpdateStatus::initialising);
   CHECK(run.journal.steps.front() == kWhole);

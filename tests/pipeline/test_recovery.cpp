@@ -1,4 +1,5 @@
 // Unseen space, gaps in the data, and runs that must end.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "aslio/simulator/analytic_world.hpp"
@@ -65,15 +66,16 @@ TEST_CASE("a turn of 180 deg at 300 deg/s into a room never seen: the map goes o
   CHECK(angle < 0.02);
 }
 
-TEST_CASE("dead reckoning for more than a second stops inserting, and the run ends with moment and reason") {
+TEST_CASE("dead reckoning for more than a second stops inserting, and the run is lost with moment and reason") {
   const TwoBuildings world(1.3125, 5.5);
   // Blind from before the turn until after it: 1.7 s of dead reckoning, then the unseen building.
   const TimeNs blind_until = world.at(TwoBuildings::kTurnBegin + 1.6);
-  Run run(shipped("fixed_window", {"insertion.type=on_new"}), world.sensor);
+  Run run(shipped("fixed_window", {"insertion.type=on_new", "when_lost=end"}), world.sensor);
   run.play(without<LidarPacket>(world.recording, world.at(TwoBuildings::kTurnBegin - 0.1), blind_until));
   REQUIRE(run.odometry.divergence());
   CHECK(run.odometry.tracking() == TrackingStatus::lost);
   CHECK_THAT(run.odometry.divergence()->reason, Contains("no accepted update for") && Contains("few_matches"));
+  CHECK(run.odometry.has_ended());
   CHECK(run.odometry.divergence()->t == run.updates.back().plan.end);
   CHECK(run.odometry.divergence()->t > blind_until + kSecond / 2);
   std::size_t blind = 0;
@@ -132,4 +134,105 @@ TEST_CASE("a state driven beyond max_speed ends the run, nothing is taken after 
   CHECK(run.odometry.divergence()->t > world.begin_time() + kSecond);
   CHECK(run.odometry.divergence()->t < world.begin_time() + to_ns(1.3));
   CHECK(run.updates.back().plan.end == run.odometry.divergence()->t);
+}
+
+// eq. INI-5.
+TEST_CASE("a run that is lost begins anew in what it then sees, and keeps its heading") {
+  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"), std::string("fast_lio2"));
+  CAPTURE(name);
+  const TwoBuildings world(1.3125, 7.0);
+  // Blind from before the turn until after it, as above.
+  const TimeNs blind_until = world.at(TwoBuildings::kTurnBegin + 1.6);
+  const Recording recording =
+      without<LidarPacket>(world.recording, world.at(TwoBuildings::kTurnBegin - 0.1), blind_until);
+  Run run(shipped(name), world.sensor);
+  run.play(recording);
+  REQUIRE(run.odometry.losses().size() == 1);
+  const pipeline::Divergence& loss = run.odometry.losses().front();
+  REQUIRE(loss.restarted);
+  CHECK(to_seconds(*loss.restarted - loss.t) < 0.15);
+  CHECK_FALSE(run.odometry.has_ended());
+  CHECK(run.odometry.tracking() == TrackingStatus::ok);
+  const auto first = std::find_if(run.updates.begin(), run.updates.end(), [](const auto& u) { return u.segment == 1; });
+  REQUIRE(first != run.updates.end());
+  CHECK(std::prev(first)->tracking == TrackingStatus::lost);
+  CHECK(first->status == UpdateStatus::initialising);  // the map is empty
+  CHECK(first->plan.fresh_begin == *loss.restarted);
+  CHECK(first->sequence == std::prev(first)->sequence + 1);
+  CHECK(std::all_of(first, run.updates.end(), [](const auto& u) { return u.segment == 1; }));
+  CHECK(std::count_if(first, run.updates.end(), [](const auto& u) { return u.status == UpdateStatus::ok; }) >= 10);
+  // Within the segment as good as ever; to the one before, by dead reckoning.
+  const Pose moved = first->state.pose().inverse() * run.updates.back().state.pose();
+  const Pose true_move = world.pose(first->plan.end).inverse() * world.pose(run.updates.back().plan.end);
+  CHECK((true_move.inverse() * moved).p.norm() < 0.03);
+  CHECK(log_so3((true_move.inverse() * moved).R).norm() < 0.02);
+  const auto [distance, angle] = error_at_end(run, [&](TimeNs t) { return world.pose(t); });
+  CHECK(distance < 3.0);  // seen: 0.7, 0.7 and 2.2 m, after 2.7 s
+  CHECK(angle < 0.05);
+
+  Run again(shipped(name), world.sensor, 2);
+  CHECK(again.play(recording).digests() == run.digests());
+}
+
+TEST_CASE("a gap that dead reckoning cannot bridge is a loss, and what comes after it a map of its own") {
+  const simulator::AnalyticWorld world({.seed = 2});
+  const auto source = world.source();
+  const TimeNs begin = world.begin_time(), gap = begin + to_ns(1.35), end_of_gap = begin + to_ns(9.0);
+  const Recording recording = without<LidarPacket>(record(*source, begin + to_ns(11.2)), gap, end_of_gap);
+  for (const char* name : {"as_lio", "fixed_window", "fast_lio2"}) {
+    CAPTURE(name);
+    Run run(shipped(name), world.sensor());
+    run.play(recording);
+    REQUIRE(run.odometry.losses().size() == 1);
+    const pipeline::Divergence& loss = run.odometry.losses().front();
+    CHECK_THAT(loss.reason, Contains("no points for 7.") && Contains("longer than max_gap 5 s"));
+    CHECK(loss.t >= end_of_gap);
+    REQUIRE(loss.restarted);
+    CHECK(to_seconds(*loss.restarted - loss.t) < 0.12);
+    CHECK(run.odometry.tracking() == TrackingStatus::ok);
+    std::size_t before = 0, first_after = 0;
+    for (const auto& u : run.updates) {
+      CHECK_FALSE((u.plan.fresh_begin < end_of_gap && u.plan.end > end_of_gap));  // nothing reaches over the gap
+      if (u.segment == 0) before = u.map_points;
+      if (u.segment == 1 && first_after == 0) first_after = u.map_points;
+    }
+    CHECK(first_after > 0);
+    CHECK(first_after < before);
+    // The velocity that the IMU knows of through the gap is where the search for it begins, not rest.
+    const auto first =
+        std::find_if(run.updates.begin(), run.updates.end(), [](const auto& u) { return u.segment == 1; });
+    CHECK(first->state.v.norm() > 0.5);
+    const Pose moved = first->state.pose().inverse() * run.updates.back().state.pose();
+    const Pose true_move = world.pose(first->plan.end).inverse() * world.pose(run.updates.back().plan.end);
+    CHECK((true_move.inverse() * moved).p.norm() < 0.2);
+    Run ends(shipped(name, {"when_lost=end"}), world.sensor());
+    ends.play(recording);
+    CHECK(ends.odometry.has_ended());
+    CHECK(ends.updates.back().plan.end <= gap + kSecond / 5);
+  }
+}
+
+TEST_CASE("a run that is lost waits for an acceleration that may be gravity, however long, without keeping points") {
+  const TwoBuildings world(1.3125, 7.0);
+  const TimeNs blind_until = world.at(TwoBuildings::kTurnBegin + 1.6), shaken_until = world.at(5.5);
+  Recording recording = without<LidarPacket>(world.recording, world.at(TwoBuildings::kTurnBegin - 0.1), blind_until);
+  for (Measurement& m : recording) {
+    auto* imu = std::get_if<ImuSample>(&m);
+    if (imu != nullptr && imu->t > world.at(4.5) && imu->t <= shaken_until) imu->acc *= 30.0;
+  }
+  Run run(shipped("fixed_window"), world.sensor);
+  std::size_t most_points = 0;
+  for (const Measurement& m : recording) {
+    run.push(m);
+    if (run.odometry.tracking() == TrackingStatus::lost) {
+      most_points = std::max(most_points, run.odometry.stream().buffered_points());
+    }
+  }
+  run.finish();
+  REQUIRE(run.odometry.losses().size() == 1);
+  REQUIRE(run.odometry.losses().front().restarted);
+  CHECK(*run.odometry.losses().front().restarted > shaken_until);
+  CHECK(run.odometry.tracking() == TrackingStatus::ok);
+  CHECK(most_points > 0);
+  CHECK(most_points < 24000 * 15);  // of 1.5 s
 }

@@ -15,7 +15,7 @@ constexpr TimeNs kTenth = kSecond / 10;
 
 /// Plays updates of 0.1 s.
 struct Play {
-  Tracking tracking{30.0, 1.0};
+  Tracking tracking{TrackingLimits{}};
   TimeNs t = kEpoch;
 
   TrackingStatus next(const Update& update) {
@@ -170,4 +170,55 @@ TEST_CASE("tracking: an accelerometer bias that no sensor has is a degradation, 
   update.state.b_a = Vec3(0, 0.2, 0);
   CHECK(play.next(update) == TrackingStatus::recovering);
   CHECK(play.accepted(4) == TrackingStatus::ok);
+}
+
+TEST_CASE("tracking: a run that begins anew is recovering until five updates in a row are accepted") {
+  Play play;
+  play.accepted(3);
+  play.refused(11);
+  REQUIRE(play.tracking.lost());
+  CHECK(play.tracking.may_restart());
+  play.tracking.restart(play.t + kTenth);
+  CHECK_FALSE(play.tracking.lost());
+  CHECK(play.next(Update{}) == TrackingStatus::recovering);  // the first window, over an empty map
+  CHECK(play.accepted(4) == TrackingStatus::recovering);
+  CHECK(play.accepted() == TrackingStatus::ok);
+  REQUIRE(play.tracking.losses().size() == 1);  // it was lost all the same
+  CHECK(play.tracking.divergence() == &play.tracking.losses().front());
+  CHECK(play.tracking.divergence()->restarted == kEpoch + 15 * kTenth);
+  play.refused(10);
+  CHECK_FALSE(play.tracking.lost());  // the silence before does not count
+  play.refused();
+  CHECK(play.tracking.lost());
+  REQUIRE(play.tracking.losses().size() == 2);
+  CHECK_FALSE(play.tracking.losses().back().restarted);
+}
+
+TEST_CASE("tracking: a gap of more than max_gap is a loss, a shorter one is none") {
+  Play play;
+  play.accepted(2);
+  play.tracking.observe_gap(play.t, play.t + 5 * kSecond);
+  CHECK(play.tracking.status() == TrackingStatus::ok);
+  play.tracking.observe_gap(play.t, play.t + 5 * kSecond + 1);
+  CHECK(play.tracking.lost());
+  CHECK(play.tracking.may_restart());
+  CHECK(play.tracking.divergence()->reason == "no points for 5.00 s, longer than max_gap 5 s");
+  CHECK(play.tracking.divergence()->t == play.t + 5 * kSecond + 1);
+}
+
+TEST_CASE("tracking: no new start where it cannot help") {
+  Play empty, fast, later;
+  empty.next(Update{});
+  for (int i = 0; i < 10; ++i) empty.next(Update{});
+  REQUIRE(empty.tracking.lost());
+  CHECK_FALSE(empty.tracking.may_restart());  // range limits
+  Update update;
+  update.state.v = Vec3(31, 0, 0);
+  fast.next(update);
+  REQUIRE(fast.tracking.lost());
+  CHECK_FALSE(fast.tracking.may_restart());  // units
+  later.accepted();
+  later.next(update);
+  REQUIRE(later.tracking.lost());
+  CHECK(later.tracking.may_restart());
 }

@@ -132,7 +132,7 @@ class ResultsTable(StudyCase):
         _, out, _ = printed(results_table.main, self.root)
         self.assertIn("| m | x (0.1000 to 0.1000), 2 of 3 failed | 0.0300 (0.0200 to 0.0400) |", out)
         self.assertIn("| a | m | 0.0400 | 0.0200 | - |", out)
-        self.assertIn("CPU and RSS of runs that were lost are those until then.", out)
+        self.assertIn("CPU and RSS of runs that were lost are those until then if the study ends them there", out)
         self.study("mine", runs[:1], figures=("ate_m", "cpu_s_per_s"))
         self.assertNotIn("until then", printed(results_table.main, self.root)[1])
 

@@ -44,7 +44,7 @@ FOOTNOTE = (
 
 
 COSTS = ("rate_hz", "cpu_s_per_s", "peak_rss_mb")
-COSTS_FOOTNOTE = "Rate, CPU and RSS of runs that were lost are those until then."
+COSTS_FOOTNOTE = "Rate, CPU and RSS of runs that were lost are those until then if the study ends them there, else of their whole way."
 
 
 def value_of(run, metric):

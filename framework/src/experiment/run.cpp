@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "aslio/config/load.hpp"
@@ -88,6 +89,7 @@ Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
   Prepared prepared;
   prepared.pipeline =
       config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog, overrides);
+  if (options.stop_when_diverged) prepared.pipeline.value.when_lost = pipeline::PipelineConfig::WhenLost::end;
   prepared.sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
   if (options.reference) prepared.reference.emplace(io::read_tum(*options.reference));
   return prepared;
@@ -125,6 +127,20 @@ std::unique_ptr<io::MeasurementSource> open_source(const RunOptions& options, co
   }
 }
 
+/// How a run went on after its first loss.
+std::string what_followed(const std::vector<pipeline::Divergence>& losses) {
+  const auto restarts =
+      std::count_if(losses.begin(), losses.end(), [](const auto& loss) { return loss.restarted.has_value(); });
+  if (restarts == 0) return {};
+  const std::string first = losses.front().restarted
+                                ? fmt::format("; begun anew {:.2f} s later with an empty map",
+                                              to_seconds(*losses.front().restarted - losses.front().t))
+                                : std::string();
+  return losses.size() == 1
+             ? first
+             : fmt::format("{}; in all lost {} times and begun anew {} times", first, losses.size(), restarts);
+}
+
 /// Pumps the source into the odometry until one of them, or the monitor, ends it.
 class Loop {
  public:
@@ -142,7 +158,9 @@ class Loop {
   RunOutcome run() {
     RunOutcome outcome;
     contain(outcome, [&] { pump(outcome); });
-    if (const auto& divergence = odometry_.divergence()) outcome.divergence = {divergence->t, divergence->reason};
+    if (const auto* first = odometry_.divergence()) {
+      outcome.divergence = {first->t, first->reason + what_followed(odometry_.losses())};
+    }
     outcome.truncated = source_.status() == io::InputStatus::truncated;
     outcome.tracking = odometry_.tracking();
     feed_.show();
@@ -183,7 +201,7 @@ class Loop {
       odometry_.push(std::move(*measurement));
       outputs_.raise();
       feed_.after_measurement();
-      if (odometry_.divergence() || (outcome.divergence = watch())) return;
+      if (odometry_.has_ended() || (outcome.divergence = watch())) return;
     }
     if (outcome.interrupted) return;
     odometry_.finish();
@@ -225,6 +243,7 @@ void gather(Summary& summary, const pipeline::Odometry& odometry, const io::Meas
   if (odometry.initialisation()) summary.initialisation = odometry.initialisation()->verdict;
   summary.notes = source.notes().verdicts;
   for (const std::string& warning : source.notes().warnings) summary.notes.push_back("warning: " + warning);
+  summary.losses = odometry.losses();
 }
 
 /// A run is worth keeping although its reference turns out not to fit.
@@ -246,7 +265,11 @@ void mark_failure(Summary& summary, const SummaryCollector& collector, const Tra
   const TimeNs end = reference.samples().back().t;
   std::optional<TimeNs> other = collector.lost_at(was_ended ? std::min(end, poses.back().t) : end);
   const bool good = summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded;
-  if (!good && !poses.empty()) other = std::min(other.value_or(kTimeMax), poses.back().t);
+  if (!good && !poses.empty()) {
+    // One that was lost by itself may have begun anew and gone on.
+    const TimeNs end_of_good = summary.losses.empty() ? kTimeMax : summary.losses.front().t;
+    other = std::min({other.value_or(kTimeMax), poses.back().t, end_of_good});
+  }
   summary.failed_at = failed_after(poses, reference, other);
 }
 

@@ -43,7 +43,7 @@ std::string updates_header() {
   for (int i = 1; i <= 6; ++i) fmt::format_to(std::back_inserter(line), ",eig_{}", i);
   return line +
          ",digest,extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,gyro_rms_rad_s"
-         ",prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw\n";
+         ",prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw,segment\n";
 }
 
 std::string updates_line(const pipeline::UpdateRecord& record) {
@@ -75,8 +75,15 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
     line += ',';
     if (known) fmt::format_to(out, "{}", value);
   }
-  line += '\n';
+  fmt::format_to(out, ",{}\n", record.segment);
   return line;
+}
+
+std::filesystem::path map_path(const std::filesystem::path& first, std::uint32_t segment) {
+  if (segment == 0) return first;
+  std::filesystem::path path = first;
+  return path.replace_filename(
+      fmt::format("{}.segment_{}{}", first.stem().string(), segment + 1, first.extension().string()));
 }
 
 std::string timings_header() {
@@ -98,7 +105,8 @@ RunOutputs::RunOutputs(const RunOptions& options, const SensorModel& sensor)
   updates_.write(updates_header());
   timings_.write(timings_header());
   if (options.dense) dense_ = std::make_unique<io::AtomicFile>(options.output / "trajectory_dense.tum");
-  if (options.save_map) map_ = io::open_map_writer(*options.save_map);
+  map_path_ = options.save_map;
+  if (map_path_) map_ = io::open_map_writer(*map_path_);
 }
 
 void RunOutputs::on_update(const pipeline::UpdateRecord& record) {
@@ -122,6 +130,11 @@ void RunOutputs::write(const pipeline::UpdateRecord& record) {
     Appender dense{*dense_, last_dense_};
     for (const NavState& state : record.update->states) dense.add(state);
     dense.add(record.state);
+  }
+  if (map_ && record.segment != segment_) {
+    map_->close();
+    segment_ = record.segment;
+    map_ = io::open_map_writer(map_path(*map_path_, segment_));
   }
   if (map_ && record.update->insert) {
     for (const WorldPoint& p : record.update->points(Tap::map)) map_->add(p.p_W.cast<float>(), p.intensity);
@@ -181,6 +194,7 @@ std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const Sensor
 void remove_stale(const RunOptions& options) {
   std::error_code ignored;
   for (const std::string_view name : kNames) std::filesystem::remove(options.output / name, ignored);
+  for (std::uint32_t k = 1; options.save_map && std::filesystem::remove(map_path(*options.save_map, k), ignored);) ++k;
 }
 
 void write_file(const std::filesystem::path& path, const std::string& text) {

@@ -4,6 +4,7 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "aslio/core/sensor.hpp"
@@ -38,10 +39,16 @@ class RunOutputs final : public pipeline::UpdateObserver {
   Pose T_imu_lidar_;
   io::AtomicFile trajectory_, trajectory_lidar_, updates_, timings_;
   std::unique_ptr<io::AtomicFile> dense_;
+  std::optional<std::filesystem::path> map_path_;
   std::unique_ptr<io::MapWriter> map_;
+  std::uint32_t segment_ = 0;  ///< that `map_` is of
   TimeNs last_dense_ = kTimeMin;
   std::exception_ptr failure_;
 };
+
+/// Where the map goes that a run has built after it began anew `segment` times: "map.ply", "map.segment_2.ply", ..: how
+/// it lies to the one before is not known.
+std::filesystem::path map_path(const std::filesystem::path& first, std::uint32_t segment);
 
 /// Throws ConfigError when a file of the run would replace one that it reads: results are no place for inputs.
 void refuse_to_overwrite_inputs(const RunOptions& options);
@@ -50,7 +57,8 @@ void refuse_to_overwrite_inputs(const RunOptions& options);
 /// another --output is the remedy.
 std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor);
 
-/// Removes the results of an earlier run, whatever becomes of this one; maps have names of their own and stay.
+/// Removes the results of an earlier run, whatever becomes of this one; maps have names of their own and stay, but for
+/// those of its further segments.
 void remove_stale(const RunOptions& options);
 
 /// A whole small file, on the disk before it has its name.

@@ -70,6 +70,11 @@ std::string shortcomings(const Summary& s, const std::string& odd) {
   return text;
 }
 
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
 Json counts(const Summary& s) {
   const stream::StreamCounters& c = s.counters;
   Json out = {{"packets", c.packets},
@@ -95,11 +100,6 @@ Json counts(const Summary& s) {
   }
   out["updates_refused"] = sum(s.refused_by_status);
   return out;
-}
-
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
 }
 
 Json metrics(const Summary& s) {
@@ -155,6 +155,10 @@ void set(Summary& s, RunStatus status, std::string reason) {
 std::string to_json(const Summary& s) {
   Json out = {{"status", pipeline::name(s.status)}, {"reason", s.reason}};
   if (s.moment) out["moment_ns"] = *s.moment;
+  out["losses"] = Json::array();
+  for (const pipeline::Divergence& loss : s.losses) {
+    out["losses"].push_back({{"t_ns", loss.t}, {"reason", loss.reason}, {"restarted_ns", or_null(loss.restarted)}});
+  }
   out["coverage"] = s.coverage;
   out["counts"] = counts(s);
   out["updates"] = s.updates;

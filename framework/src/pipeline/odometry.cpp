@@ -26,22 +26,25 @@ class Odometry::Loop {
       : config_(config),
         sensor_(context.sensor),
         start_offset_(start_offset(context.order_seed)),
-        stages_(std::move(stages)),
-        probe_(stream_, *stages_.estimator, *stages_.overlap, context.sensor),
-        tracking_(config.max_speed, config.max_silence) {
+        exec_(context.exec),
+        log_(context.log),
+        order_seed_(context.order_seed),
+        tracking_(config.limits) {
+    take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
   }
 
   void run_available() {
-    if (!started() && !start()) return;
-    while (!tracking_.divergence()) {
+    while (ready()) {
       UpdateRecord record;
       std::optional<WindowPlan> plan;
       {
         const CpuTimer timer(record.times.window);
-        plan = stages_.window->next(stream_, feedback_, probe_);
+        plan = stages_.window->next(stream_, feedback_, *probe_);
       }
       if (!plan) break;
+      note_gap(*plan);
+      if (tracking_.lost()) continue;
       step(*plan, record);
       stream_.release(feedback_.t - stages_.window->reach());
     }
@@ -70,6 +73,9 @@ class Odometry::Loop {
     // A gap at the begin of the window is no time in which the estimator failed: its silence begins with the data.
     const TimeNs data_begin = window.fresh.empty() ? plan.fresh_begin : window.fresh.front().t;
     tracking_.observe(update, data_begin, plan.end);
+    // One that is lost by silence has a dead-reckoned pose; one that is lost by its state, the last that was accepted.
+    if (tracking_.lost() ? sound(update.state) : update.accepted) believed_ = update.state.pose();
+    if (update.accepted && !tracking_.lost()) last_accepted_ = plan.end;
     report(window, past, update, record);
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,   record.overlap,
                  update.state, update.spectrum,           record.n_matches};
@@ -82,17 +88,79 @@ class Odometry::Loop {
   }
 
   bool started() const { return initialisation_.has_value(); }
+  bool has_ended() const {
+    return tracking_.lost() && (config_.when_lost == PipelineConfig::WhenLost::end || !tracking_.may_restart());
+  }
+
+  /// Whether there is a state to go on from: that of the last update, the first one, or after a loss a new first one.
+  bool ready() {
+    if (has_ended()) return false;
+    if (tracking_.lost()) return restart();
+    return started() || start();
+  }
 
   bool start() {
     initialisation_ = stages_.estimator->uses_imu()
                           ? initialise(stream_, config_.initialisation, sensor_, start_offset_)
                           : initialise_without_imu(stream_, start_offset_);
-    if (!started()) return false;
-    stages_.estimator->reset(initialisation_->initial);
-    feedback_.t = initialisation_->initial.state.t;
-    feedback_.state = initialisation_->initial.state;
-    stream_.release(feedback_.t);
+    if (started()) begin(initialisation_->initial);
+    return started();
+  }
+
+  /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.
+  bool restart() {
+    auto anew = initialise_anew(stream_, config_.initialisation, sensor_, stages_.estimator->uses_imu(),
+                                tracking_.losses().back().t, believed_);
+    if (!anew) {
+      // As long as there is no IMU data, points of more than that long ago are of no use.
+      const TimeNs kept = to_ns(config_.initialisation.time) + kSecond;
+      if (stream_.last_point() > kTimeMin + kept) stream_.release(stream_.last_point() - kept);
+      return false;
+    }
+    recall_what_was_known(anew->initial);
+    stages_ = {};  // first, for the memory
+    take(build_stages(config_, {exec_, sensor_, log_, order_seed_}));
+    feedback_ = {};
+    ++segment_;
+    tracking_.restart(anew->initial.state.t);
+    begin(anew->initial);
     return true;
+  }
+
+  void recall_what_was_known(InitialState& start) const {
+    const Estimator& estimator = *stages_.estimator;
+    const NavState& last = estimator.state();
+    std::vector<ImuSample> imu;
+    if (!estimator.uses_imu() || !sound(last) || !stream_.imu_covering(last.t, start.state.t, imu)) return;
+    const NavState reckoned = estimator.predict(imu);
+    if (sound(reckoned)) recall(start, reckoned, to_seconds(start.state.t - last_accepted_));
+  }
+
+  void take(StageSet stages) {
+    stages_ = std::move(stages);
+    probe_.emplace(stream_, *stages_.estimator, *stages_.overlap, sensor_);
+  }
+
+  void begin(const InitialState& initial) {
+    stages_.estimator->reset(initial);
+    feedback_.t = initial.state.t;
+    feedback_.state = initial.state;
+    last_point_ = last_accepted_ = feedback_.t;
+    believed_ = initial.state.pose();
+    stream_.release(feedback_.t);
+  }
+
+  /// Before the window is cut: points after a gap that is too long are for a new start.
+  void note_gap(const WindowPlan& plan) {
+    const auto points = stream_.points(plan.fresh_begin, plan.end);
+    if (points.empty()) return;
+    tracking_.observe_gap(last_point_, points.front().t - 1);
+    last_point_ = points.back().t;
+  }
+
+  bool sound(const NavState& state) const {
+    return state.R.allFinite() && state.p.allFinite() && state.v.allFinite() &&
+           state.v.norm() <= config_.limits.max_speed;
   }
 
   /// What the overlap takes to learn what is known counts as its cost, not as the map's.
@@ -117,6 +185,7 @@ class Odometry::Loop {
   void report(const Window& window, const HistorySelection& past, const Update& update, UpdateRecord& record) {
     record.plan = window.plan;
     record.sequence = window.sequence;
+    record.segment = segment_;
     record.status = update.status;
     record.tracking = tracking_.status();
     record.n_fresh = static_cast<std::uint32_t>(window.fresh.size());
@@ -147,12 +216,17 @@ class Odometry::Loop {
   TimeNs start_offset_;
   stream::MeasurementStream stream_;
   StageSet stages_;
-  PriorProbe probe_;
+  std::optional<PriorProbe> probe_;
+  exec::Executor& exec_;
+  std::shared_ptr<spdlog::logger> log_;
+  std::uint64_t order_seed_;
   Tracking tracking_;
   std::vector<UpdateObserver*> observers_;
   std::optional<Initialisation> initialisation_;
   Feedback feedback_;
-  std::uint32_t sequence_ = 0;
+  Pose believed_;  ///< T_W_I where the run begins anew if it is lost now
+  TimeNs last_point_ = 0, last_accepted_ = 0;
+  std::uint32_t sequence_ = 0, segment_ = 0;
 };
 
 Odometry::Odometry(const PipelineConfig& config, const BuildContext& context)
@@ -174,7 +248,9 @@ void Odometry::push(Measurement&& measurement) {
 
 void Odometry::finish() { loop_->finish(); }
 
-const std::optional<Divergence>& Odometry::divergence() const { return loop_->tracking_.divergence(); }
+const Divergence* Odometry::divergence() const { return loop_->tracking_.divergence(); }
+const std::vector<Divergence>& Odometry::losses() const { return loop_->tracking_.losses(); }
+bool Odometry::has_ended() const { return loop_->has_ended(); }
 TrackingStatus Odometry::tracking() const { return loop_->tracking_.status(); }
 const std::optional<Initialisation>& Odometry::initialisation() const { return loop_->initialisation_; }
 const stream::MeasurementStream& Odometry::stream() const { return loop_->stream_; }

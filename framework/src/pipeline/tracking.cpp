@@ -4,9 +4,24 @@
 
 namespace aslio::pipeline {
 
-void Tracking::diverge(TimeNs t, std::string reason) {
+void Tracking::diverge(TimeNs t, bool may_restart, std::string reason) {
+  // One that goes on although it is lost, as a test may, is lost once.
+  if (!lost()) losses_.push_back({t, std::move(reason)});
   status_ = TrackingStatus::lost;
-  if (!divergence_) divergence_ = Divergence{t, std::move(reason)};
+  may_restart_ = may_restart;
+}
+
+void Tracking::observe_gap(TimeNs begin, TimeNs end) {
+  if (end - begin <= to_ns(limits_.max_gap)) return;
+  diverge(end, true,
+          fmt::format("no points for {:.2f} s, longer than max_gap {:g} s", to_seconds(end - begin), limits_.max_gap));
+}
+
+void Tracking::restart(TimeNs t) {
+  losses_.back().restarted = t;
+  status_ = TrackingStatus::recovering;
+  accepted_in_a_row_ = 0;
+  silence_ = 0;
 }
 
 /// A gap in the data is no fault of the estimator, wherever it lies among refused windows. One without data for a
@@ -21,16 +36,17 @@ void Tracking::be_silent(TimeNs begin, TimeNs end) {
 void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   const NavState& s = update.state;
   if (!s.R.allFinite() || !s.p.allFinite() || !s.v.allFinite() || !s.b_w.allFinite() || !s.b_a.allFinite()) {
-    return diverge(end, "the state is not finite");
+    return diverge(end, ever_accepted_, "the state is not finite");
   }
-  if (const double speed = s.v.norm(); speed > max_speed_) {
-    return diverge(end, fmt::format("the speed is {:.1f} m/s, above max_speed {:.1f} m/s", speed, max_speed_));
+  if (const double speed = s.v.norm(); speed > limits_.max_speed) {
+    return diverge(end, ever_accepted_,
+                   fmt::format("the speed is {:.1f} m/s, above max_speed {:.1f} m/s", speed, limits_.max_speed));
   }
   if (update.status == UpdateStatus::initialising) {
     // One window builds the map. A map that stays empty gets no points, and nothing will ever be registered.
     be_silent(begin, end);
     if (silence_ > max_silence_) {
-      diverge(end,
+      diverge(end, ever_accepted_,
               fmt::format("the map is still empty after {:.2f} s: no point got through the samplers (range limits?)",
                           to_seconds(silence_)));
     }
@@ -38,6 +54,7 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   }
   if (update.accepted) {
     silence_ = 0;
+    ever_accepted_ = true;
     if (s.b_a.norm() > kMaxAccBias) {
       accepted_in_a_row_ = 0;
       status_ = TrackingStatus::degraded;
@@ -52,8 +69,9 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   be_silent(begin, end);
   status_ = TrackingStatus::degraded;
   if (silence_ > max_silence_) {
-    diverge(end, fmt::format("no accepted update for {:.2f} s (last refusal: {})", to_seconds(silence_),
-                             name(update.status)));
+    diverge(
+        end, true,
+        fmt::format("no accepted update for {:.2f} s (last refusal: {})", to_seconds(silence_), name(update.status)));
   }
 }
 

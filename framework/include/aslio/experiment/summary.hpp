@@ -8,6 +8,7 @@
 
 #include "aslio/core/trajectory.hpp"
 #include "aslio/evaluation/evaluation.hpp"
+#include "aslio/pipeline/tracking.hpp"
 #include "aslio/pipeline/update_record.hpp"
 #include "aslio/stream/measurement_stream.hpp"
 
@@ -31,11 +32,12 @@ struct RateRange {
 /// Everything summary.json holds.
 struct Summary {
   pipeline::RunStatus status = pipeline::RunStatus::failed;
-  std::string reason;              ///< why the status is not `ok`
-  std::optional<TimeNs> moment;    ///< data time of the divergence or of the failure
-  std::string initialisation;      ///< the verdict
-  std::vector<std::string> notes;  ///< verdicts and warnings of the reader
-  double coverage = 0;             ///< share of the data's duration inside fresh intervals that counted
+  std::string reason;                        ///< why the status is not `ok`
+  std::optional<TimeNs> moment;              ///< data time of the divergence or of the failure
+  std::vector<pipeline::Divergence> losses;  ///< those of the odometry itself, in the order of time
+  std::string initialisation;                ///< the verdict
+  std::vector<std::string> notes;            ///< verdicts and warnings of the reader
+  double coverage = 0;                       ///< share of the data's duration inside fresh intervals that counted
   stream::StreamCounters counters;
   std::array<std::uint64_t, 6> updates_by_status{};  ///< by UpdateStatus
   std::array<std::uint64_t, 6> refused_by_status{};  ///< of them, those refused: after the map had its first points

@@ -17,6 +17,9 @@ namespace aslio::pipeline {
 
 /// A pipeline file (`schema: aslio/pipeline/1`): which stages, with which parameters.
 struct PipelineConfig {
+  /// What becomes of a run that is lost.
+  enum class WhenLost : std::uint8_t { restart, end };
+
   config::Nested<WindowStrategy> window;
   config::Nested<OverlapMetric> overlap;
   config::Nested<HistoryPolicy> history;
@@ -25,8 +28,8 @@ struct PipelineConfig {
   config::Nested<Insertion> insertion;
   config::Nested<Estimator> estimator;
   InitialisationParams initialisation;
-  double max_speed = 30.0;   ///< [m/s], beyond it the run has diverged
-  double max_silence = 1.0;  ///< [s] without an accepted update, beyond it the run has diverged
+  TrackingLimits limits;
+  WhenLost when_lost = WhenLost::restart;
 
   static void describe(config::Binder& b, PipelineConfig& p);
 };
@@ -46,11 +49,17 @@ class Odometry {
   /// The source has ended: runs what is left.
   void finish();
 
-  const std::optional<Divergence>& divergence() const;
+  /// The first loss, or nullptr. A run that was lost has diverged, also when it has begun anew.
+  const Divergence* divergence() const;
+  /// All of them, in the order of time.
+  const std::vector<Divergence>& losses() const;
+  /// Lost for good: no update will follow, whatever is pushed.
+  bool has_ended() const;
   TrackingStatus tracking() const;
-  /// Nothing before the first state has been found.
+  /// Of the first start. Nothing before its state has been found.
   const std::optional<Initialisation>& initialisation() const;
   const stream::MeasurementStream& stream() const;
+  /// Valid until the next push(): a run that begins anew has other stages.
   const Map& map() const;
   const OverlapMetric& overlap() const;
 

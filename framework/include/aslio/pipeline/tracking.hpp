@@ -2,15 +2,24 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "aslio/pipeline/update_record.hpp"
 
 namespace aslio::pipeline {
 
-/// When and why a run stopped being usable.
+/// When and why a run stopped being usable, and when it began anew (nothing: it did not).
 struct Divergence {
   TimeNs t = 0;
   std::string reason;
+  std::optional<TimeNs> restarted = {};
+};
+
+/// Beyond any of them a run is lost.
+struct TrackingLimits {
+  double max_speed = 30.0;   ///< of the state [m/s]
+  double max_silence = 1.0;  ///< without an accepted update [s]
+  double max_gap = 5.0;      ///< without points [s]
 };
 
 /// Follows the health of a run from update to update. An update is refused when its step was not accepted.
@@ -19,30 +28,46 @@ struct Divergence {
 ///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has such a bias,
 ///   but a
 ///                               filter that follows moving things or a wrong start explains its motion with one
-///   degraded -> lost            after more than max_silence of refused updates (which also ends the run as diverged)
+///   degraded -> lost            after more than max_silence of refused updates
+///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
+///                               max_gap: dead reckoning is then off by more than what a match can make good
+///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted ones in a
+///   row
 class Tracking {
  public:
-  Tracking(double max_speed, double max_silence) : max_speed_(max_speed), max_silence_(to_ns(max_silence)) {}
+  explicit Tracking(const TrackingLimits& limits) : limits_(limits), max_silence_(to_ns(limits.max_silence)) {}
 
   /// Takes the outcome of an update over the fresh data of [begin, end].
   void observe(const Update& update, TimeNs begin, TimeNs end);
+  /// There were no points within (begin, end). Lost, if that is too long.
+  void observe_gap(TimeNs begin, TimeNs end);
+  /// The run goes on from a new first state at `t`. Pre: lost.
+  void restart(TimeNs t);
 
   TrackingStatus status() const { return status_; }
-  const std::optional<Divergence>& divergence() const { return divergence_; }
+  bool lost() const { return status_ == TrackingStatus::lost; }
+  /// Pre: lost. Whether a new start may help. Not after one that put nothing into the map or ran away before any update
+  /// was accepted: units and range limits that are wrong at the beginning are wrong later.
+  bool may_restart() const { return may_restart_; }
+  /// In the order of time.
+  const std::vector<Divergence>& losses() const { return losses_; }
+  /// The first loss, or nullptr.
+  const Divergence* divergence() const { return losses_.empty() ? nullptr : &losses_.front(); }
 
  private:
-  void diverge(TimeNs t, std::string reason);
+  void diverge(TimeNs t, bool may_restart, std::string reason);
   void be_silent(TimeNs begin, TimeNs end);
 
   static constexpr int kRecovered = 5;
   static constexpr double kMaxAccBias = 1.5;  // [m/s^2]
-  double max_speed_;
+  TrackingLimits limits_;
   TimeNs max_silence_;
   TrackingStatus status_ = TrackingStatus::initialising;
   int accepted_in_a_row_ = 0;
   TimeNs silence_ = 0;   ///< of the refused updates in a row, without gaps in the data
   TimeNs last_end_ = 0;  ///< of the last of them
-  std::optional<Divergence> divergence_;
+  bool ever_accepted_ = false, may_restart_ = false;
+  std::vector<Divergence> losses_;
 };
 
 }  // namespace aslio::pipeline
