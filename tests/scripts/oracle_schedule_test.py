@@ -75,6 +75,31 @@ class OracleSchedule(StudyCase):
         self.assertEqual(printed(oracle.main, self.root, "--n-least", "2")[0], 0)
         self.assertEqual((self.root / "data/a_1/oracle.csv").read_text(), text)
 
+    def test_like_a_run_the_short_intervals_are_where_least_is_known(self):
+        # Half of the time in intervals of 100 ms, half of 20 ms; half of the view's time is known.
+        shares = [1.0] * 100 + [0.2] * 100
+        ends = [0]
+        for step in [20] * 50 + [100] * 10:  # the run had them the other way round
+            ends.append(ends[-1] + step * MS)
+        overlap = oracle.Overlap(self.overlap(shares), 0.01)
+        updates = oracle.schedule_like(overlap, ends, options())
+        steps = [round((b[0] - a[0]) / MS) for a, b in zip(updates, updates[1:])]
+        self.assertEqual(steps[:9], [100] * 9)
+        self.assertEqual(set(steps[11:]), {20})
+        self.assertAlmostEqual(len(updates), 60, delta=2)
+        late = oracle.schedule_like(overlap, ends, options(ahead=0.5))  # knows of it half a second before
+        self.assertEqual([round((b[0] - a[0]) / MS) for a, b in zip(late, late[1:])][6:10], [20] * 4)
+
+    def test_like_a_run_of_a_study(self):
+        self.overlap([1.0] * 20 + [0.5] * 20, "data/a_1/overlap.csv")
+        code, _, err = printed(oracle.main, self.root, "--like", "as_lio")
+        self.assertEqual(code, 2)
+        self.assertIn("run that method first", err)
+        write_csv(self.root / "runs/a_1/as_lio/updates.csv", {"t_ns": [100 * MS, 200 * MS, 220 * MS, 240 * MS, 260 * MS, 280 * MS, 300 * MS]})
+        code, out, _ = printed(oracle.main, self.root, "--like", "as_lio")
+        self.assertEqual(code, 0)
+        self.assertIn("shortest interval 20.0 ms", out)
+
     def test_what_has_no_overlap_is_told(self):
         code, _, err = printed(oracle.main, self.root)
         self.assertEqual(code, 2)

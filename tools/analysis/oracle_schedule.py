@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """A schedule for the window `replay` from the true overlap of simulated data: what AS-LIO would do if it knew.
 
+  tools/analysis/oracle_schedule.py out/yoked --like as_lio
   tools/analysis/oracle_schedule.py out/table_1 --into out/yoked
   tools/analysis/oracle_schedule.py data/indoor_1/overlap.csv --output oracle.csv
 
 The segment rule and its echo (WIN-1, WIN-2, AS-LIO (7)-(8)) run over the true overlap in place of the measured one; an update
 at t knows that of the window that ends there or, with --ahead S, that of S seconds later, which no causal method can know.
+With --like METHOD the rule does not matter, only the order: intervals as long as those of that method's run over the same data, for as
+large a share of the time, the shorter the less of the view is known. So it has as many updates, but for some percent.
 Of the output folder of a study it writes data/DATA/oracle.csv for every recording, where {data}/oracle.csv of a study file
 finds it; with --into, below the output folder of another study over the same data, before or after its first call. Columns:
 t_ns, window_begin_ns. Needs numpy.
@@ -13,7 +16,7 @@ t_ns, window_begin_ns. Needs numpy.
 overlap.csv compares with all that was seen up to 10 ms before, the overlap degree with a map that is older (SOD-3). So what was
 new within --memory counts as new: newness of 10 ms, summed over that time. At 0.02 s as many windows fall below 0.9 as measured
 by as_lio at 10 Hz (n_least 2, seg_step 0.1) on indoor_1 (scale 0.3, seeds 100 and 101: 34 and 35 against 34 and 33), with a correlation of 0.97.
-For the finer step of today's as_lio it was not calibrated anew: look at the updates per second that decide.py tells of both before comparing.
+For the finer step of today's as_lio it was not calibrated anew: compare that one by --like.
 """
 import argparse
 import math
@@ -71,6 +74,33 @@ class Segments:
             self.left = 1 if wanted <= 2 else wanted
 
 
+def quantiles(ends, least_gap=0.2):
+    """Interval lengths of a run [ns], longest first, and the share of the time that is in intervals longer than each. A gap is none."""
+    lengths = np.sort(np.diff(np.array(ends, dtype=np.int64)))[::-1]
+    lengths = lengths[lengths < round(least_gap * SECOND)]
+    return lengths, np.concatenate(([0.0], np.cumsum(lengths[:-1]))) / max(1, lengths.sum())
+
+
+def schedule_like(overlap, ends, options):
+    """(t_ns, window_begin_ns) of every update: lengths as between `ends` [ns], by the order of the true overlap over 50 ms."""
+    length, around = round(options.frame_length * SECOND), SECOND // 20
+    lengths, longer = quantiles(ends)
+    if len(lengths) == 0:
+        raise FolderError("the run to be like has no two updates")
+    ahead = round(options.ahead * SECOND)
+    means = [overlap.mean(t + ahead - around, t + ahead) for t in overlap.end]
+    known = np.array([1.0 if mean is None else mean for mean in means])
+    rank = np.empty(len(known))
+    rank[np.argsort(-known, kind="stable")] = np.arange(len(known)) / len(known)  # 0: most of the view is known
+    t, last, updates = int(overlap.begin), int(overlap.end[-1]), []
+    while t < last:
+        now = rank[min(len(rank) - 1, int(np.searchsorted(overlap.end, t, side="right")))]
+        end = t + int(lengths[int(np.searchsorted(longer, now, side="right")) - 1])
+        updates.append((end, min(end - length, t)))
+        t = end
+    return updates
+
+
 def schedule(overlap, options):
     """(t_ns, window_begin_ns) of every update."""
     length = round(options.frame_length * SECOND)
@@ -108,11 +138,20 @@ def places(options):
     return [(path, path.with_name("oracle.csv")) for path in found]
 
 
+def ends_of(overlap_csv, method):
+    """Ends of the updates of `method` over these data, in the study that they belong to."""
+    run = overlap_csv.parents[2] / "runs" / overlap_csv.parent.name / method / "updates.csv"
+    if not run.is_file():
+        raise FolderError(f"--like {method}: there is no {run}: run that method first")
+    return [int(t) for t in table(run, [], ["t_ns"])["t_ns"]]
+
+
 def arguments(words):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("source", help="overlap.csv, folder of simulated data, or output folder of aslio experiment")
     parser.add_argument("--output", metavar="FILE", help="default: oracle.csv beside overlap.csv")
     parser.add_argument("--into", metavar="STUDY", help="output folder of the study that reads the schedules")
+    parser.add_argument("--like", metavar="METHOD", help="lengths as in that method's run of the study, in place of the rule")
     parser.add_argument("--frame-length", type=float, default=0.1, metavar="S")
     parser.add_argument("--seg-step", type=float, default=0.005, help="that of as_lio")
     parser.add_argument("--n-least", type=int, default=2, help="n where all is known: 2, as in as_lio and the paper, is 10 Hz, and 4 is 20 Hz")
@@ -129,7 +168,9 @@ def main(words):
     options = arguments(words)
     try:
         for source, target in places(options):
-            updates = schedule(Overlap(source, options.memory), options)
+            overlap = Overlap(source, options.memory)
+            updates = (schedule_like(overlap, ends_of(source, options.like), options) if options.like
+                       else schedule(overlap, options))
             write(updates, target)
             seconds = (updates[-1][0] - updates[0][0]) / SECOND
             print(f"{target}: {len(updates)} updates in {seconds:.1f} s, shortest interval "
