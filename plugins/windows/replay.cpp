@@ -56,11 +56,12 @@ void ReplayWindow::describe(config::Binder& b, Params& p) {
   b.require(!p.file.empty(), "file", "is missing: name a schedule, such as the updates.csv of a run");
 }
 
-ReplayWindow::ReplayWindow(const Params& params, const BuildContext&)
+ReplayWindow::ReplayWindow(const Params& params, const BuildContext& context)
     : file_(params.file),
       schedule_(prepare(params)),
       period_(to_ns(params.period)),
-      reach_(schedule_.longest_history()) {}
+      reach_(schedule_.longest_history()),
+      begun_(context.anew) {}
 
 void ReplayWindow::check_begin(TimeNs begin) {
   const TimeNs first = schedule_.updates().front().end, last = schedule_.updates().back().end;

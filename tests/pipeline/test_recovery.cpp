@@ -29,6 +29,21 @@ Recording without(const Recording& recording, TimeNs begin, TimeNs end) {
   return out;
 }
 
+/// The same data, of which those of the IMU arrive `lead` [ns] earlier.
+Recording with_early_imu(const Recording& recording, TimeNs lead) {
+  std::vector<std::pair<TimeNs, const Measurement*>> arrivals;
+  for (const Measurement& m : recording) {
+    const auto* imu = std::get_if<ImuSample>(&m);
+    const auto* packet = std::get_if<LidarPacket>(&m);
+    if (imu != nullptr) arrivals.emplace_back(imu->t - lead, &m);
+    if (packet != nullptr && !packet->points.empty()) arrivals.emplace_back(packet->points.back().t, &m);
+  }
+  std::stable_sort(arrivals.begin(), arrivals.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  Recording out;
+  for (const auto& [t, m] : arrivals) out.push_back(*m);
+  return out;
+}
+
 /// Distance [m] and angle [rad] from the truth, in the frame of the first update.
 std::pair<double, double> error_at_end(const Run& run, const std::function<Pose(TimeNs)>& truth) {
   const auto &first = run.updates.front(), &last = run.updates.back();
@@ -164,11 +179,13 @@ TEST_CASE("a run that is lost begins anew in what it then sees, and keeps its he
   // Within the segment as good as ever; to the one before, by dead reckoning.
   const Pose moved = first->state.pose().inverse() * run.updates.back().state.pose();
   const Pose true_move = world.pose(first->plan.end).inverse() * world.pose(run.updates.back().plan.end);
-  CHECK((true_move.inverse() * moved).p.norm() < 0.03);
-  CHECK(log_so3((true_move.inverse() * moved).R).norm() < 0.02);
+  // FAST-LIO2's composition has 1 m/s by then, and takes the quiet IMU for that of an even speed.
+  const bool published = name == "fast_lio2";
+  CHECK((true_move.inverse() * moved).p.norm() < (published ? 0.5 : 0.05));
+  CHECK(log_so3((true_move.inverse() * moved).R).norm() < (published ? 0.06 : 0.02));
   const auto [distance, angle] = error_at_end(run, [&](TimeNs t) { return world.pose(t); });
   CHECK(distance < 3.0);  // seen: 0.7, 0.7 and 2.2 m, after 2.7 s
-  CHECK(angle < 0.05);
+  CHECK(angle < 0.1);
 
   Run again(shipped(name), world.sensor, 2);
   CHECK(again.play(recording).digests() == run.digests());
@@ -212,6 +229,71 @@ TEST_CASE("a gap that dead reckoning cannot bridge is a loss, and what comes aft
   }
 }
 
+TEST_CASE("where a run begins anew is in the data, not in how they arrive") {
+  const simulator::AnalyticWorld world({.seed = 2});
+  const auto source = world.source();
+  const TimeNs begin = world.begin_time();
+  const Recording gap =
+      without<LidarPacket>(record(*source, begin + to_ns(11.0)), begin + to_ns(3.0), begin + to_ns(9.5));
+  const TwoBuildings yard(1.3125, 6.0);
+  const Recording dark = without<LidarPacket>(yard.recording, yard.at(TwoBuildings::kTurnBegin - 0.1),
+                                              yard.at(TwoBuildings::kTurnBegin + 1.6));
+  for (const auto& [recording, sensor] : {std::pair(gap, world.sensor()), std::pair(dark, yard.sensor)}) {
+    for (const std::vector<std::string>& sets :
+         {std::vector<std::string>{}, {"window.shift_min=0.02", "window.n_least=10"}}) {
+      Run usual(shipped("as_lio", sets), sensor);
+      usual.play(recording);
+      REQUIRE(usual.odometry.losses().size() == 1);
+      REQUIRE(usual.updates.back().segment == 1);
+      for (const TimeNs period : {kSecond / 100, kSecond / 40}) {
+        Run other(shipped("as_lio", sets), sensor);
+        CHECK(other.play(repacked(recording, period)).digests() == usual.digests());
+      }
+      Run early(shipped("as_lio", sets), sensor);
+      CHECK(early.play(with_early_imu(recording, to_ns(0.3))).digests() == usual.digests());
+      Run late(shipped("as_lio", sets), sensor);
+      CHECK(late.play(with_early_imu(recording, to_ns(-1.5))).digests() == usual.digests());
+    }
+  }
+}
+
+TEST_CASE("before the first IMU data, points of more than five seconds ago are not kept") {
+  const TwoBuildings world(1.3125, 8.0);
+  const TimeNs first_imu = world.at(6.5);
+  Run late(shipped("fixed_window"), world.sensor), usual(shipped("fixed_window"), world.sensor);
+  std::size_t most = 0, all = 0;
+  for (const Measurement& m : without<ImuSample>(world.recording, kTimeMin, first_imu)) {
+    late.push(m);
+    if (const auto* packet = std::get_if<LidarPacket>(&m)) all += packet->points.size();
+    most = std::max(most, late.odometry.stream().buffered_points());
+  }
+  late.finish();
+  CHECK(most < all * 3 / 4);
+  // As if the recording had begun there.
+  usual.play(without<LidarPacket>(without<ImuSample>(world.recording, kTimeMin, first_imu), kTimeMin, world.at(6.0)));
+  REQUIRE(late.updates.size() > 10);
+  CHECK(late.digests() == usual.digests());
+}
+
+TEST_CASE("lost without points: what the IMU says is searched once and forgotten") {
+  const TwoBuildings world(1.3125, 4.0);
+  Recording recording = without<LidarPacket>(world.recording, world.at(TwoBuildings::kTurnBegin - 0.1), kTimeMax);
+  Run run(shipped("fixed_window"), world.sensor);
+  run.play(recording);
+  REQUIRE_FALSE(run.odometry.divergence());
+  Run lost(shipped("fixed_window", {"max_speed=0.02"}), world.sensor);  // soon after the turn begins
+  for (const Measurement& m : world.recording) lost.push(m);
+  REQUIRE(lost.odometry.divergence());
+  const TimeNs end = world.at(4.0);
+  std::size_t most = 0;
+  for (int k = 1; k < 60'000; ++k) {  // five minutes of a dead accelerometer
+    lost.push(ImuSample{end + k * kSecond / 200, Vec3::Zero(), Vec3::Zero()});
+    most = std::max(most, lost.odometry.stream().buffered_imu());
+  }
+  CHECK(lost.odometry.tracking() == TrackingStatus::lost);
+  CHECK(most < 200 * 35);  // the half minute that may be dead-reckoned
+}
+
 TEST_CASE("a run that is lost waits for an acceleration that may be gravity, however long, without keeping points") {
   const TwoBuildings world(1.3125, 7.0);
   const TimeNs blind_until = world.at(TwoBuildings::kTurnBegin + 1.6), shaken_until = world.at(5.5);
@@ -233,6 +315,5 @@ TEST_CASE("a run that is lost waits for an acceleration that may be gravity, how
   REQUIRE(run.odometry.losses().front().restarted);
   CHECK(*run.odometry.losses().front().restarted > shaken_until);
   CHECK(run.odometry.tracking() == TrackingStatus::ok);
-  CHECK(most_points > 0);
-  CHECK(most_points < 24000 * 15);  // of 1.5 s
+  CHECK(most_points < 240'000);  // of 1 s
 }

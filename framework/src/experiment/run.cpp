@@ -86,10 +86,10 @@ struct Prepared {
 Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
   std::vector<config::Override> overrides;
   for (const std::string& assignment : options.overrides) overrides.push_back({assignment});
+  if (options.stop_when_diverged) overrides.push_back({"when_lost=end"});
   Prepared prepared;
   prepared.pipeline =
       config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog, overrides);
-  if (options.stop_when_diverged) prepared.pipeline.value.when_lost = pipeline::PipelineConfig::WhenLost::end;
   prepared.sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
   if (options.reference) prepared.reference.emplace(io::read_tum(*options.reference));
   return prepared;
@@ -306,7 +306,8 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   summary.peak_rss_mb = peak_rss_mb();
   if (prepared.reference) {
     measure(summary, loop.collector().poses(), *prepared.reference);
-    if (!outcome.divergence) outcome.divergence = find_divergence(loop.collector().poses(), *prepared.reference);
+    const auto found = find_divergence(loop.collector().poses(), *prepared.reference);
+    if (found && (!outcome.divergence || found->first < outcome.divergence->first)) outcome.divergence = found;
   }
   judge(summary, outcome);
   if (prepared.reference) mark_failure(summary, loop.collector(), *prepared.reference, loop.was_ended());

@@ -79,11 +79,11 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
   return line;
 }
 
-std::filesystem::path map_path(const std::filesystem::path& first, std::uint32_t segment) {
-  if (segment == 0) return first;
+std::filesystem::path map_path(const std::filesystem::path& first, std::uint32_t finished) {
+  if (finished == 0) return first;
   std::filesystem::path path = first;
   return path.replace_filename(
-      fmt::format("{}.segment_{}{}", first.stem().string(), segment + 1, first.extension().string()));
+      fmt::format("{}.segment_{}{}", first.stem().string(), finished + 1, first.extension().string()));
 }
 
 std::string timings_header() {
@@ -134,7 +134,7 @@ void RunOutputs::write(const pipeline::UpdateRecord& record) {
   if (map_ && record.segment != segment_) {
     map_->close();
     segment_ = record.segment;
-    map_ = io::open_map_writer(map_path(*map_path_, segment_));
+    map_ = io::open_map_writer(map_path(*map_path_, ++maps_));
   }
   if (map_ && record.update->insert) {
     for (const WorldPoint& p : record.update->points(Tap::map)) map_->add(p.p_W.cast<float>(), p.intensity);

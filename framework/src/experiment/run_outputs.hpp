@@ -42,13 +42,14 @@ class RunOutputs final : public pipeline::UpdateObserver {
   std::optional<std::filesystem::path> map_path_;
   std::unique_ptr<io::MapWriter> map_;
   std::uint32_t segment_ = 0;  ///< that `map_` is of
+  std::uint32_t maps_ = 0;     ///< finished
   TimeNs last_dense_ = kTimeMin;
   std::exception_ptr failure_;
 };
 
-/// Where the map goes that a run has built after it began anew `segment` times: "map.ply", "map.segment_2.ply", ..: how
-/// it lies to the one before is not known.
-std::filesystem::path map_path(const std::filesystem::path& first, std::uint32_t segment);
+/// Where the next map goes when `finished` are: a run that began anew has built another one, and how it lies to the one
+/// before is not known. "map.ply", "map.segment_2.ply", ..
+std::filesystem::path map_path(const std::filesystem::path& first, std::uint32_t finished);
 
 /// Throws ConfigError when a file of the run would replace one that it reads: results are no place for inputs.
 void refuse_to_overwrite_inputs(const RunOptions& options);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "aslio/core/cpu_clock.hpp"
+#include "aslio/pipeline/new_start.hpp"
 #include "aslio/pipeline/stage_set.hpp"
 #include "prior_probe.hpp"
 
@@ -103,37 +104,45 @@ class Odometry::Loop {
     initialisation_ = stages_.estimator->uses_imu()
                           ? initialise(stream_, config_.initialisation, sensor_, start_offset_)
                           : initialise_without_imu(stream_, start_offset_);
-    if (started()) begin(initialisation_->initial);
-    return started();
+    if (!started()) {
+      forget_waiting_points();
+      return false;
+    }
+    begin(initialisation_->initial);
+    return true;
+  }
+
+  /// Without IMU data nothing begins, and points would pile up.
+  void forget_waiting_points() {
+    constexpr TimeNs most_kept = 5 * kSecond;
+    if (stream_.last_point() > kTimeMin + most_kept) stream_.forget_points(stream_.last_point() - most_kept);
   }
 
   /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.
   bool restart() {
-    auto anew = initialise_anew(stream_, config_.initialisation, sensor_, stages_.estimator->uses_imu(),
-                                tracking_.losses().back().t, believed_);
-    if (!anew) {
-      // As long as there is no IMU data, points of more than that long ago are of no use.
-      const TimeNs kept = to_ns(config_.initialisation.time) + kSecond;
-      if (stream_.last_point() > kTimeMin + kept) stream_.release(stream_.last_point() - kept);
+    if (!new_start_) new_start_.emplace(last_known(), config_.initialisation, sensor_);
+    const auto found = new_start_->find(stream_, *stages_.estimator);
+    if (!found) {
+      if (stages_.estimator->uses_imu()) stream_.release(new_start_->keep_imu_from());
+      stream_.forget_points(new_start_->searched_until());
+      forget_waiting_points();
       return false;
     }
-    recall_what_was_known(anew->initial);
-    stages_ = {};  // first, for the memory
-    take(build_stages(config_, {exec_, sensor_, log_, order_seed_}));
+    take(build_stages(config_, {exec_, sensor_, log_, order_seed_, true}));
+    new_start_.reset();
     feedback_ = {};
     ++segment_;
-    tracking_.restart(anew->initial.state.t);
-    begin(anew->initial);
+    tracking_.restart(found->initial.state.t);
+    begin(found->initial);
     return true;
   }
 
-  void recall_what_was_known(InitialState& start) const {
-    const Estimator& estimator = *stages_.estimator;
-    const NavState& last = estimator.state();
-    std::vector<ImuSample> imu;
-    if (!estimator.uses_imu() || !sound(last) || !stream_.imu_covering(last.t, start.state.t, imu)) return;
-    const NavState reckoned = estimator.predict(imu);
-    if (sound(reckoned)) recall(start, reckoned, to_seconds(start.state.t - last_accepted_));
+  LastKnown last_known() const {
+    LastKnown known{tracking_.losses().back().t + start_offset_, believed_, {}, last_accepted_};
+    // Soon after a start in motion an estimator does not know yet how fast it is.
+    const NavState& state = stages_.estimator->state();
+    if (last_accepted_ - segment_begin_ >= kSecond && sound(state)) known.state = state;
+    return known;
   }
 
   void take(StageSet stages) {
@@ -145,7 +154,7 @@ class Odometry::Loop {
     stages_.estimator->reset(initial);
     feedback_.t = initial.state.t;
     feedback_.state = initial.state;
-    last_point_ = last_accepted_ = feedback_.t;
+    last_point_ = last_accepted_ = segment_begin_ = feedback_.t;
     believed_ = initial.state.pose();
     stream_.release(feedback_.t);
   }
@@ -155,6 +164,11 @@ class Odometry::Loop {
     const auto points = stream_.points(plan.fresh_begin, plan.end);
     if (points.empty()) return;
     tracking_.observe_gap(last_point_, points.front().t - 1);
+    if (plan.end - plan.fresh_begin > to_ns(config_.limits.max_gap)) {  // only then may one lie between its points
+      for (std::size_t i = 1; i < points.size() && !tracking_.lost(); ++i) {
+        tracking_.observe_gap(points[i - 1].t, points[i].t - 1);
+      }
+    }
     last_point_ = points.back().t;
   }
 
@@ -225,7 +239,8 @@ class Odometry::Loop {
   std::optional<Initialisation> initialisation_;
   Feedback feedback_;
   Pose believed_;  ///< T_W_I where the run begins anew if it is lost now
-  TimeNs last_point_ = 0, last_accepted_ = 0;
+  TimeNs last_point_ = 0, last_accepted_ = 0, segment_begin_ = 0;
+  std::optional<NewStart> new_start_;  ///< while lost
   std::uint32_t sequence_ = 0, segment_ = 0;
 };
 

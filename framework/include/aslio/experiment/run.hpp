@@ -31,7 +31,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> reference;  ///< TUM; fills Summary::evaluation
   std::optional<std::filesystem::path> save_map;   ///< .ply or .pcd
   bool dense = false;                              ///< also trajectory_dense.tum
-  bool stop_when_diverged = false;                 ///< by the reference; without one it runs to the end
+  bool stop_when_diverged = false;                 ///< by its own word, or from the reference
   std::uint64_t order_seed = 0;                    ///< BuildContext::order_seed
   std::vector<PluginFile> plugins;
   std::vector<std::string> command_line;  ///< for the manifest

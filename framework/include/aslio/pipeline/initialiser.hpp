@@ -40,16 +40,4 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
 /// those of I.
 std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream, TimeNs offset = 0);
 
-/// The same for a run that was lost at `lost`, from data after it, at the place of `last` (T_W_I): its position and its
-/// heading, or, without IMU, its whole attitude. Acceleration that cannot be gravity is no error: later data is taken.
-/// Pre: the stream keeps what came after `lost`.
-std::optional<Initialisation> initialise_anew(const stream::MeasurementStream& stream,
-                                              const InitialisationParams& params, const SensorModel& sensor,
-                                              bool uses_imu, TimeNs lost, const Pose& last);
-
-/// What a new start takes from `reckoned`, the state of the run that was lost, dead-reckoned for `blind` [s] to the
-/// time of the start: everything but what is doubted more with time, when the start is in motion and the vertical of
-/// both differs by no more than an acceleration makes it. At rest the start knows more by itself.
-void recall(InitialState& start, const NavState& reckoned, double blind);
-
 }  // namespace aslio::pipeline

@@ -61,6 +61,9 @@ class MeasurementStream final : public StreamView {
   /// start.
   void release(TimeNs t);
 
+  /// Points up to `t` may be forgotten, though later arrivals before it are none too late, and IMU data stay.
+  void forget_points(TimeNs t) { points_.forget(points_.count_until(t)); }
+
   /// One ns short of the last point: the next packet may continue its firing, which no cut may split.
   TimeNs points_until() const override;
   TimeNs imu_until() const override;
