@@ -229,6 +229,19 @@ TEST_CASE("a gap that dead reckoning cannot bridge is a loss, and what comes aft
   }
 }
 
+TEST_CASE("a gap counts wherever it lies in a window") {
+  const simulator::AnalyticWorld world({.seed = 2});
+  const auto source = world.source();
+  const TimeNs begin = world.begin_time();
+  const Recording recording =
+      without<LidarPacket>(record(*source, begin + to_ns(5.5)), begin + to_ns(2.35), begin + to_ns(3.05));
+  Run run(shipped("fixed_window", {"window.period=1.0", "max_gap=0.5"}), world.sensor());
+  run.play(recording);
+  REQUIRE(run.odometry.losses().size() == 1);
+  CHECK_THAT(run.odometry.losses().front().reason, Contains("no points for 0.7"));
+  CHECK(run.odometry.losses().front().restarted);
+}
+
 TEST_CASE("where a run begins anew is in the data, not in how they arrive") {
   const simulator::AnalyticWorld world({.seed = 2});
   const auto source = world.source();

@@ -144,6 +144,24 @@ TEST_CASE("replay: a schedule of other data is refused") {
              Catch::Contains("plan.csv: the schedule ends at 20100000000 ns, the data begin at 30000000000 ns"));
 }
 
+TEST_CASE("replay: a run that begins anew may do so before its schedule or after its end") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("plan.csv", "t_ns\n20000000000\n20100000000\n");
+  test::BuildEnvironment environment;
+  BuildContext context = environment.context();
+  context.anew = true;
+  const auto window = test::WindowCatalog().read(replay(file, ", period: 0.05")).make(context);
+  std::vector<TimedPoint> points;
+  test::add_points(points, 30 * kSecond, 31 * kSecond, kMs);
+  test::FakeStream stream(std::move(points), test::imu_samples(30 * kSecond, 31 * kSecond));
+  stream.finish();
+  test::FakeProbe probe = test::blind_probe();
+  test::WindowLoop loop(*window, probe, 30 * kSecond, [](const WindowPlan&) { return std::optional<double>(); });
+  loop.run(stream);
+  REQUIRE(loop.plans.size() >= 19);
+  CHECK(loop.plans.front().end - loop.plans.front().fresh_begin == 50 * kMs);
+}
+
 TEST_CASE("replay: a file must be named, and can be one that exists") {
   const test::WindowCatalog catalog;
   CHECK_THAT(catalog.complaint("replay"), Catch::Contains("window.yaml:2") && Catch::Contains("window.file") &&
