@@ -61,7 +61,8 @@ ReplayWindow::ReplayWindow(const Params& params, const BuildContext& context)
       schedule_(prepare(params)),
       period_(to_ns(params.period)),
       reach_(schedule_.longest_history()),
-      begun_(context.anew) {}
+      begun_(context.anew),
+      anew_(context.anew) {}
 
 void ReplayWindow::check_begin(TimeNs begin) {
   const TimeNs first = schedule_.updates().front().end, last = schedule_.updates().back().end;
@@ -80,7 +81,8 @@ std::optional<WindowPlan> ReplayWindow::next(const StreamView& stream, const Fee
   if (exhausted(stream, feedback.t)) return std::nullopt;
   if (!begun_) check_begin(feedback.t);
   const ReplaySchedule::Update* update = schedule_.after(feedback.t);
-  const TimeNs shift = update != nullptr ? update->end - feedback.t : period_;  // eq. WIN-7
+  if (anew_ && update != nullptr && update->end - feedback.t > kLatestBegin) update = nullptr;  // not yet
+  const TimeNs shift = update != nullptr ? update->end - feedback.t : period_;                  // eq. WIN-7
   const auto tile = settle(stream, {.begin = feedback.t, .shift = shift, .limit = shift});
   if (!tile) return std::nullopt;
   WindowPlan plan;

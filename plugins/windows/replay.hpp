@@ -39,6 +39,7 @@ class ReplayWindow final : public WindowStrategy {
   TimeNs period_;
   TimeNs reach_;  ///< longest history of any update [ns]
   bool begun_ = false;
+  bool anew_ = false;
 };
 
 }  // namespace aslio::plugins

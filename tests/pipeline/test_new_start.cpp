@@ -69,13 +69,16 @@ struct Lost {
 TEST_CASE(
     "new start: at rest, from samples after the loss, at the last place, with the last heading and the tilt of now") {
   Lost lost(1.2);
-  lost.imu(0, 1.0, kUp).imu(1.0, 2.0, Vec3(0, kStandardGravity, 0));
+  lost.imu(0, 1.0, kUp).imu(1.0, 2.0, Vec3(0, kStandardGravity, 0)).estimator.reckoned.v.setZero();
   lost.known.pose.R = exp_so3(Vec3(0, 0, 0.7)) * exp_so3(Vec3(1.4, 0, 0));  // its y axis points up, almost
-  const auto found = lost.find();
+  lost.estimator.reckoned.R = lost.known.pose.R;
+  lost.estimator.reckoned.p = lost.known.pose.p;
+  const auto found = lost.believes_its_state().find();
   REQUIRE(found);
   const InitialState& initial = found->initial;
   CHECK(initial.state.t == at(1.3));
   CHECK(initial.mode == InitialMode::static_start);
+  CHECK(initial.sigma_velocity == Approx(0.05));
   CHECK(initial.state.p == lost.known.pose.p);
   CHECK((initial.state.R * Vec3(0, 1, 0) - Vec3::UnitZ()).norm() < 1e-12);
   // Turned no further than it takes to bring y up.
@@ -173,6 +176,17 @@ TEST_CASE("new start: a quiet IMU is no rest where dead reckoning has a speed, w
   CHECK(resting->initial.mode == InitialMode::static_start);
   CHECK(resting->initial.state.v == Vec3::Zero());
   CHECK(resting->initial.sigma_velocity == Approx(0.3));  // it may yet be one
+
+  Lost unknown(10.0), too_fast(10.0);
+  unknown.imu(9.0, 11.0, kUp);
+  too_fast.imu(9.0, 11.0, kUp).estimator.reckoned.v = Vec3(31, 0, 0);
+  for (Lost* lost : {&unknown, &too_fast.believes_its_state()}) {
+    const auto open = lost->find();
+    REQUIRE(open);
+    CHECK(open->initial.mode == InitialMode::dynamic_start);
+    CHECK(open->initial.state.v == Vec3::Zero());
+    CHECK(open->initial.sigma_velocity == 3.0);
+  }
 }
 
 TEST_CASE("new start: dead reckoning over more than half a minute, or over a gap of the IMU, is forgotten") {

@@ -289,22 +289,50 @@ TEST_CASE("before the first IMU data, points of more than five seconds ago are n
 }
 
 TEST_CASE("lost without points: what the IMU says is searched once and forgotten") {
-  const TwoBuildings world(1.3125, 4.0);
-  Recording recording = without<LidarPacket>(world.recording, world.at(TwoBuildings::kTurnBegin - 0.1), kTimeMax);
-  Run run(shipped("fixed_window"), world.sensor);
-  run.play(recording);
-  REQUIRE_FALSE(run.odometry.divergence());
-  Run lost(shipped("fixed_window", {"max_speed=0.02"}), world.sensor);  // soon after the turn begins
-  for (const Measurement& m : world.recording) lost.push(m);
-  REQUIRE(lost.odometry.divergence());
-  const TimeNs end = world.at(4.0);
-  std::size_t most = 0;
-  for (int k = 1; k < 60'000; ++k) {  // five minutes of a dead accelerometer
-    lost.push(ImuSample{end + k * kSecond / 200, Vec3::Zero(), Vec3::Zero()});
-    most = std::max(most, lost.odometry.stream().buffered_imu());
+  const TwoBuildings world(1.3125, 6.0);
+  Run lost(shipped("fixed_window"), world.sensor);
+  TimeNs t = 0;
+  for (const Measurement& m : without<LidarPacket>(world.recording, world.at(TwoBuildings::kTurnBegin - 0.1),
+                                                   world.at(TwoBuildings::kTurnBegin + 1.6))) {
+    if (const auto* imu = std::get_if<ImuSample>(&m)) {
+      t = imu->t;
+      if (t > world.at(4.6)) break;
+    }
+    lost.push(m);
   }
+  REQUIRE_FALSE(lost.odometry.divergence());
+  for (const Measurement& m : world.recording) {  // the accelerometer dies, and soon after that the run is lost
+    const auto* packet = std::get_if<LidarPacket>(&m);
+    if (packet == nullptr || packet->stamp < world.at(4.55) || lost.odometry.divergence()) continue;
+    for (; t < packet->points.back().t; t += kSecond / 200) lost.push(ImuSample{t, Vec3::Zero(), Vec3::Zero()});
+    lost.push(m);
+  }
+  REQUIRE(lost.odometry.tracking() == TrackingStatus::lost);
+  const auto feed = [&](int samples) {  // of a dead accelerometer
+    std::size_t most = 0;
+    for (int k = 0; k < samples; ++k) {
+      t += kSecond / 200;
+      lost.push(ImuSample{t, Vec3::Zero(), Vec3::Zero()});
+      most = std::max(most, lost.odometry.stream().buffered_imu());
+    }
+    return most;
+  };
+  const std::size_t half_a_minute = feed(200 * 31);
+  CHECK(half_a_minute > 200 * 25);  // which may yet be dead-reckoned
+  CHECK(feed(200 * 300) <= half_a_minute);
+  CHECK(lost.odometry.stream().buffered_imu() < 100);
   CHECK(lost.odometry.tracking() == TrackingStatus::lost);
-  CHECK(most < 200 * 35);  // the half minute that may be dead-reckoned
+}
+
+TEST_CASE("before the first point, IMU data of long ago are not kept") {
+  const TwoBuildings world(1.3125, 3.0);
+  Run run(shipped("fixed_window"), world.sensor);
+  for (TimeNs t = world.at(-60); t < world.at(0); t += kSecond / 200) {
+    run.push(ImuSample{t, Vec3::Zero(), Vec3(0, 0, kStandardGravity)});
+    REQUIRE(run.odometry.stream().buffered_imu() < 200 * 6);
+  }
+  run.play(world.recording);
+  CHECK(run.updates.size() > 20);
 }
 
 TEST_CASE("a run that is lost waits for an acceleration that may be gravity, however long, without keeping points") {

@@ -138,9 +138,11 @@ def places(options):
     return [(path, path.with_name("oracle.csv")) for path in found]
 
 
-def ends_of(overlap_csv, method):
-    """Ends of the updates of `method` over these data, in the study that they belong to."""
-    run = overlap_csv.parents[2] / "runs" / overlap_csv.parent.name / method / "updates.csv"
+def ends_of(overlap_csv, method, into):
+    """Ends of the updates of `method` over these data, in the study that reads the schedules."""
+    overlap_csv = overlap_csv.absolute()
+    study = pathlib.Path(into) if into else overlap_csv.parent.parent.parent
+    run = study / "runs" / overlap_csv.parent.name / method / "updates.csv"
     if not run.is_file():
         raise FolderError(f"--like {method}: there is no {run}: run that method first")
     return [int(t) for t in table(run, [], ["t_ns"])["t_ns"]]
@@ -169,7 +171,7 @@ def main(words):
     try:
         for source, target in places(options):
             overlap = Overlap(source, options.memory)
-            updates = (schedule_like(overlap, ends_of(source, options.like), options) if options.like
+            updates = (schedule_like(overlap, ends_of(source, options.like, options.into), options) if options.like
                        else schedule(overlap, options))
             write(updates, target)
             seconds = (updates[-1][0] - updates[0][0]) / SECOND

@@ -12,10 +12,14 @@ namespace {
 
 /// A position that was dead-reckoned for longer is worth less than none [s].
 constexpr double kReckonedPosition = 10.0;
-/// A sensor that is dead-reckoned to be faster is not at rest, however quiet its IMU: it may go at an even speed [m/s].
-constexpr double kFastestAtRest = 0.5;
+/// Two samples of the IMU further apart are a gap, over which nothing is dead-reckoned [ns].
+constexpr TimeNs kImuGap = kSecond / 4;
 /// An acceleration turns the mean specific force by no more than this from the vertical [rad].
 constexpr double kMostTilt = 20.0 * kRadPerDegree;
+
+/// A sensor that is dead-reckoned to be faster than this after `blind` [s] is not at rest, however quiet its IMU: it
+/// may go at an even speed [m/s].
+double fastest_at_rest(double blind) { return 0.4 + 0.05 * blind; }
 
 bool agree_on_vertical(const NavState& reckoned, const Vec3& acc) {
   const Vec3 up = -(reckoned.R.transpose() * reckoned.g);
@@ -44,10 +48,13 @@ std::optional<NavState> NewStart::reckoned(const stream::MeasurementStream& stre
                                            TimeNs t) const {
   std::vector<ImuSample> imu;
   if (!known_.state || t - known_.state->t > kLongestReckoning) return std::nullopt;
-  if (!stream.imu_covering(known_.state->t, t, imu)) return std::nullopt;  // a gap
+  // Not what the stream calls a gap: that depends on the samples that have arrived.
+  stream.imu_covering(known_.state->t, t, imu);
+  const auto gap = [](const ImuSample& a, const ImuSample& b) { return b.t - a.t > kImuGap; };
+  if (imu.size() < 2 || std::adjacent_find(imu.begin(), imu.end(), gap) != imu.end()) return std::nullopt;
   const NavState state = estimator.predict(imu);
   const bool finite = state.R.allFinite() && state.p.allFinite() && state.v.allFinite();
-  return finite ? std::optional(state) : std::nullopt;
+  return finite && state.v.norm() <= known_.max_speed ? std::optional(state) : std::nullopt;
 }
 
 // eq. INI-5.
@@ -73,15 +80,15 @@ std::optional<Initialisation> NewStart::find(const stream::MeasurementStream& st
     if (!may_be_gravity(mean.acc.norm(), quiet)) continue;
 
     const auto known = reckoned(stream, estimator, from_);
-    const double speed = known ? known->v.norm() : 0.0, blind = to_seconds(from_ - known_.accepted);
-    const bool at_rest = quiet && speed < kFastestAtRest;
+    const double blind = to_seconds(from_ - known_.accepted);
+    const bool at_rest = quiet && known && known->v.norm() < fastest_at_rest(blind);
     Initialisation out = start_of(used, mean, at_rest, sensor_);
     InitialState& start = out.initial;
     const Mat3& R = known ? known->R : known_.pose.R;
     start.state.R = to_vertical(R * mean.acc) * R;  // the heading that was known, the vertical of now
     start.state.p = known && blind <= kReckonedPosition ? known->p : known_.pose.p;
     if (at_rest) {
-      start.sigma_velocity = std::max(start.sigma_velocity, speed);
+      start.sigma_velocity = std::max(start.sigma_velocity, known->v.norm());
     } else if (known && agree_on_vertical(*known, mean.acc)) {
       recall(start, *known, blind);
     }

@@ -105,17 +105,20 @@ class Odometry::Loop {
                           ? initialise(stream_, config_.initialisation, sensor_, start_offset_)
                           : initialise_without_imu(stream_, start_offset_);
     if (!started()) {
-      forget_waiting_points();
+      forget_waiting_data();
       return false;
     }
     begin(initialisation_->initial);
     return true;
   }
 
-  /// Without IMU data nothing begins, and points would pile up.
-  void forget_waiting_points() {
+  /// Without IMU data nothing begins, nor without points, and what comes of the others would pile up.
+  void forget_waiting_data() {
     constexpr TimeNs most_kept = 5 * kSecond;
     if (stream_.last_point() > kTimeMin + most_kept) stream_.forget_points(stream_.last_point() - most_kept);
+    const TimeNs imu_kept = most_kept + to_ns(config_.initialisation.time);
+    const bool no_points_yet = !stream_.first_point() && stream_.last_imu() > kTimeMin + imu_kept;
+    if (no_points_yet) stream_.release(stream_.last_imu() - imu_kept);
   }
 
   /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.
@@ -125,7 +128,7 @@ class Odometry::Loop {
     if (!found) {
       if (stages_.estimator->uses_imu()) stream_.release(new_start_->keep_imu_from());
       stream_.forget_points(new_start_->searched_until());
-      forget_waiting_points();
+      forget_waiting_data();
       return false;
     }
     take(build_stages(config_, {exec_, sensor_, log_, order_seed_, true}));
@@ -138,7 +141,8 @@ class Odometry::Loop {
   }
 
   LastKnown last_known() const {
-    LastKnown known{tracking_.losses().back().t + start_offset_, believed_, {}, last_accepted_};
+    LastKnown known{
+        tracking_.losses().back().t + start_offset_, believed_, {}, last_accepted_, config_.limits.max_speed};
     // Soon after a start in motion an estimator does not know yet how fast it is.
     const NavState& state = stages_.estimator->state();
     if (last_accepted_ - segment_begin_ >= kSecond && sound(state)) known.state = state;

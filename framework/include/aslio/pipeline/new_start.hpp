@@ -13,11 +13,13 @@ struct LastKnown {
   Pose pose;        ///< T_W_I of the last state that could be believed
   /// The state of the estimator, from which the IMU may be followed; nothing, if it cannot be believed.
   std::optional<NavState> state;
-  TimeNs accepted = 0;  ///< end of the last update that was accepted
+  TimeNs accepted = 0;      ///< end of the last update that was accepted
+  double max_speed = 30.0;  ///< what is dead-reckoned beyond it cannot be [m/s]
 };
 
 /// The search for a new first state, in the data after the loss. What it finds depends on the data alone, not on how
-/// much of it has arrived when it is asked: it goes on where it stood.
+/// much of it has arrived when it is asked: it goes on where it stood. (But for the points of the first moments, which
+/// are gone where IMU data come more than 5 s after them.)
 class NewStart {
  public:
   /// Dead reckoning over more than this is forgotten [ns].
