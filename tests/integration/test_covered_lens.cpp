@@ -39,12 +39,6 @@ std::size_t count(const Run& run, TrackingStatus status) {
       std::count_if(run.updates.begin(), run.updates.end(), [&](const auto& u) { return u.tracking == status; }));
 }
 
-double error_at_end(const Run& run, const simulator::AnalyticWorld& world) {
-  const auto &first = run.updates.front(), &last = run.updates.back();
-  const Pose moved = first.state.pose().inverse() * last.state.pose();
-  return ((world.pose(first.plan.end).inverse() * world.pose(last.plan.end)).inverse() * moved).p.norm();
-}
-
 }  // namespace
 
 TEST_CASE("covered lens: 0.6 s degrade the run, five good updates make it whole, more than a second is a loss") {
@@ -61,7 +55,7 @@ TEST_CASE("covered lens: 0.6 s degrade the run, five good updates make it whole,
                                        TrackingStatus::recovering, TrackingStatus::ok});
     CHECK(count(brief, TrackingStatus::degraded) == brief.count(UpdateStatus::few_matches));
     CHECK(count(brief, TrackingStatus::recovering) == 4);
-    CHECK(error_at_end(brief, world) < 0.05);
+    CHECK(brief.error_at_end([&](TimeNs t) { return world.pose(t); }).first < 0.05);
 
     Run longer(shipped(name), world.sensor());
     longer.play(covered(whole, begin + to_ns(2.5), begin + to_ns(4.0)));

@@ -110,6 +110,17 @@ double Run::rate(TimeNs begin, TimeNs end) const {
   return covered > 0 ? static_cast<double>(n) / to_seconds(covered) : 0.0;
 }
 
+const pipeline::UpdateRecord& Run::first_of(std::uint32_t segment) const {
+  return *std::find_if(updates.begin(), updates.end(), [&](const auto& u) { return u.segment >= segment; });
+}
+
+std::pair<double, double> Run::error_at_end(const std::function<Pose(TimeNs)>& truth, std::uint32_t segment) const {
+  const pipeline::UpdateRecord &first = first_of(segment), &last = updates.back();
+  const Pose moved = first.state.pose().inverse() * last.state.pose();
+  const Pose error = (truth(first.plan.end).inverse() * truth(last.plan.end)).inverse() * moved;
+  return {error.p.norm(), log_so3(error.R).norm()};
+}
+
 std::size_t Run::count(UpdateStatus status) const {
   return static_cast<std::size_t>(
       std::count_if(updates.begin(), updates.end(), [status](const auto& u) { return u.status == status; }));

@@ -1,7 +1,9 @@
 #pragma once
 /// Pipelines under test: recordings in memory, the shipped configurations, and a run that keeps what observers see.
 
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "aslio/config/override.hpp"
@@ -47,6 +49,10 @@ class Run final : public pipeline::UpdateObserver {
   /// Updates per second over the updates that end within (begin, end].
   double rate(TimeNs begin, TimeNs end) const;
   std::size_t count(UpdateStatus status) const;
+  /// The first update after the run had begun anew `segment` times. Pre: there is one.
+  const pipeline::UpdateRecord& first_of(std::uint32_t segment) const;
+  /// Distance [m] and angle [rad] of the last pose from the truth, in the frame of first_of(segment).
+  std::pair<double, double> error_at_end(const std::function<Pose(TimeNs)>& truth, std::uint32_t segment = 0) const;
 
   std::vector<pipeline::UpdateRecord> updates;
   StateMatrix P = StateMatrix::Zero();  ///< of the last update

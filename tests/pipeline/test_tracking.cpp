@@ -81,7 +81,7 @@ TEST_CASE("tracking: a degenerate or unfinished update that was accepted is no r
   }
 }
 
-TEST_CASE("tracking: silence of more than max_silence ends the run, with moment and reason") {
+TEST_CASE("tracking: silence of more than max_silence is a loss, with moment and reason") {
   Play play;
   play.accepted(3);
   CHECK(play.refused(10) == TrackingStatus::degraded);  // exactly 1.0 s

@@ -27,9 +27,7 @@ class Odometry::Loop {
       : config_(config),
         sensor_(context.sensor),
         start_offset_(start_offset(context.order_seed)),
-        exec_(context.exec),
-        log_(context.log),
-        order_seed_(context.order_seed),
+        anew_{context.exec, sensor_, context.log, context.order_seed, true},
         tracking_(config.limits) {
     take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
@@ -131,7 +129,7 @@ class Odometry::Loop {
       forget_waiting_data();
       return false;
     }
-    take(build_stages(config_, {exec_, sensor_, log_, order_seed_, true}));
+    take(build_stages(config_, anew_));
     new_start_.reset();
     feedback_ = {};
     ++segment_;
@@ -232,12 +230,10 @@ class Odometry::Loop {
   PipelineConfig config_;
   SensorModel sensor_;
   TimeNs start_offset_;
+  BuildContext anew_;  ///< of the stages after a loss
   stream::MeasurementStream stream_;
   StageSet stages_;
   std::optional<PriorProbe> probe_;
-  exec::Executor& exec_;
-  std::shared_ptr<spdlog::logger> log_;
-  std::uint64_t order_seed_;
   Tracking tracking_;
   std::vector<UpdateObserver*> observers_;
   std::optional<Initialisation> initialisation_;

@@ -25,14 +25,12 @@ struct TrackingLimits {
 /// Follows the health of a run from update to update. An update is refused when its step was not accepted.
 ///   initialising -> ok          with the first accepted update; -> lost when the map is still empty after max_silence
 ///   ok -> degraded              after a refused update; -> ok after kRecovered accepted ones in a row
-///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has such a bias,
-///   but a
-///                               filter that follows moving things or a wrong start explains its motion with one
+///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has one, but a
+///                               filter that follows moving things or a wrong start explains its motion with it
 ///   degraded -> lost            after more than max_silence of refused updates
 ///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
 ///                               max_gap: dead reckoning is then off by more than what a match can make good
-///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted ones in a
-///   row
+///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted updates
 class Tracking {
  public:
   explicit Tracking(const TrackingLimits& limits) : limits_(limits), max_silence_(to_ns(limits.max_silence)) {}
