@@ -206,6 +206,16 @@ TEST_CASE("tracking: a gap of more than max_gap is a loss, a shorter one is none
   CHECK(play.tracking.divergence()->t == play.t + 5 * kSecond + 1);
 }
 
+TEST_CASE("tracking: an IMU that falls silent is a loss from the next moment on") {
+  Play play;
+  play.accepted(2);
+  play.tracking.observe_silent_imu(play.t);
+  CHECK(play.tracking.lost());
+  CHECK(play.tracking.may_restart());
+  CHECK(play.tracking.divergence()->reason == "no IMU data for more than max_gap 5 s from then on");
+  CHECK(play.tracking.divergence()->t == play.t + 1);
+}
+
 TEST_CASE("tracking: no new start where it cannot help") {
   Play empty, fast, later;
   empty.next(Update{});

@@ -166,6 +166,32 @@ TEST_CASE("a window's IMU starts and ends at its ends, linear between samples") 
   CHECK(out[1].gyro.x() == Approx(4e-6));
 }
 
+TEST_CASE("an IMU that lags behind the points is waited for as long as was asked, and no longer") {
+  MeasurementStream stream;
+  const auto point_at = [&](TimeNs t) {
+    TimedPoint point;
+    point.t = t;
+    LidarPacket packet;
+    packet.stamp = t;
+    packet.points.push_back(point);
+    stream.push(std::move(packet));
+  };
+  stream.push(ImuSample{kSecond, Vec3::Zero(), Vec3::Zero()});
+  stream.push(ImuSample{2 * kSecond, Vec3::Zero(), Vec3::Zero()});
+  point_at(9 * kSecond);
+  CHECK(stream.imu_until() == 2 * kSecond);
+  stream.wait_for_imu(5 * kSecond);
+  CHECK(stream.imu_until() == 4 * kSecond);
+  stream.push(ImuSample{6 * kSecond, Vec3::Zero(), Vec3::Zero()});
+  CHECK(stream.imu_until() == 6 * kSecond);
+  CHECK(stream.imu_silent_after(1, kTimeMax, 3 * kSecond) == 2 * kSecond);
+  CHECK(stream.imu_silent_after(1, 2 * kSecond, 3 * kSecond) == std::nullopt);  // it lies behind
+  CHECK(stream.imu_silent_after(3 * kSecond, 4 * kSecond, 3 * kSecond) == 2 * kSecond);
+  CHECK(stream.imu_silent_after(6 * kSecond, 7 * kSecond, 3 * kSecond) == std::nullopt);  // the points are at 9 s
+  CHECK(stream.imu_silent_after(6 * kSecond, 7 * kSecond, 3 * kSecond - 1) == 6 * kSecond);
+  CHECK(stream.imu_silent_after(1, kTimeMax, 4 * kSecond) == std::nullopt);
+}
+
 TEST_CASE("missing IMU data is held or bridged, and said so") {
   MeasurementStream stream;
   std::vector<ImuSample> out;

@@ -42,7 +42,7 @@ class Odometry::Loop {
         plan = stages_.window->next(stream_, feedback_, *probe_);
       }
       if (!plan) break;
-      note_gap(*plan);
+      note_gaps(*plan);
       if (tracking_.lost()) continue;
       step(*plan, record);
       stream_.release(feedback_.t - stages_.window->reach());
@@ -107,14 +107,14 @@ class Odometry::Loop {
       return false;
     }
     begin(initialisation_->initial);
+    stream_.wait_for_imu(std::max(to_ns(config_.limits.max_gap), kMostKept));
     return true;
   }
 
   /// Without IMU data nothing begins, nor without points, and what comes of the others would pile up.
   void forget_waiting_data() {
-    constexpr TimeNs most_kept = 5 * kSecond;
-    if (stream_.last_point() > kTimeMin + most_kept) stream_.forget_points(stream_.last_point() - most_kept);
-    const TimeNs imu_kept = most_kept + to_ns(config_.initialisation.time);
+    if (stream_.last_point() > kTimeMin + kMostKept) stream_.forget_points(stream_.last_point() - kMostKept);
+    const TimeNs imu_kept = kMostKept + to_ns(config_.initialisation.time);
     const bool no_points_yet = !stream_.first_point() && stream_.last_imu() > kTimeMin + imu_kept;
     if (no_points_yet) stream_.release(stream_.last_imu() - imu_kept);
   }
@@ -161,7 +161,14 @@ class Odometry::Loop {
     stream_.release(feedback_.t);
   }
 
-  /// Before the window is cut: points after a gap that is too long are for a new start.
+  /// Before the window is cut: what comes after a gap that is too long is for a new start.
+  void note_gaps(const WindowPlan& plan) {
+    note_gap(plan);
+    if (tracking_.lost() || !stages_.estimator->uses_imu()) return;
+    const auto silent_after = stream_.imu_silent_after(plan.fresh_begin, plan.end, to_ns(config_.limits.max_gap));
+    if (silent_after) tracking_.observe_silent_imu(*silent_after);
+  }
+
   void note_gap(const WindowPlan& plan) {
     const auto points = stream_.points(plan.fresh_begin, plan.end);
     if (points.empty()) return;
@@ -227,6 +234,8 @@ class Odometry::Loop {
     return a;
   }
 
+  /// Of data that wait for others: IMU data that come later than this after points are too late.
+  static constexpr TimeNs kMostKept = 5 * kSecond;
   PipelineConfig config_;
   SensorModel sensor_;
   TimeNs start_offset_;

@@ -17,6 +17,10 @@ void Tracking::observe_gap(TimeNs begin, TimeNs end) {
           fmt::format("no points for {:.2f} s, longer than max_gap {:g} s", to_seconds(end - begin), limits_.max_gap));
 }
 
+void Tracking::observe_silent_imu(TimeNs t) {
+  diverge(t + 1, true, fmt::format("no IMU data for more than max_gap {:g} s from then on", limits_.max_gap));
+}
+
 void Tracking::restart(TimeNs t) {
   losses_.back().restarted = t;
   status_ = TrackingStatus::recovering;

@@ -139,6 +139,16 @@ bool MeasurementStream::imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSa
   return !held;
 }
 
+std::optional<TimeNs> MeasurementStream::imu_silent_after(TimeNs begin, TimeNs end, TimeNs longest) const {
+  const std::span<const ImuSample> samples = imu_.all();
+  const std::size_t until_begin = imu_.count_until(begin);
+  for (std::size_t i = until_begin > 0 ? until_begin - 1 : 0; i < samples.size() && samples[i].t < end; ++i) {
+    const TimeNs next = i + 1 < samples.size() ? samples[i + 1].t : std::max(last_point_, samples[i].t);
+    if (next - samples[i].t > longest) return samples[i].t;
+  }
+  return std::nullopt;
+}
+
 Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
   Window window;
   window.plan = plan;
@@ -171,7 +181,11 @@ TimeNs MeasurementStream::points_until() const {
   return last_point_ == kTimeMin ? kTimeMin : last_point_ - 1;
 }
 
-TimeNs MeasurementStream::imu_until() const { return finished_ || imu_left_out_ ? kTimeMax : last_imu_; }
+TimeNs MeasurementStream::imu_until() const {
+  if (finished_ || imu_left_out_) return kTimeMax;
+  const bool impatient = imu_patience_ != kTimeMax && last_point_ != kTimeMin;
+  return impatient ? std::max(last_imu_, last_point_ - imu_patience_) : last_imu_;
+}
 TimeNs MeasurementStream::last_point() const { return last_point_; }
 TimeNs MeasurementStream::last_imu() const { return last_imu_; }
 

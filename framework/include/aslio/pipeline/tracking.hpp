@@ -19,7 +19,7 @@ struct Divergence {
 struct TrackingLimits {
   double max_speed = 30.0;   ///< of the state [m/s]
   double max_silence = 1.0;  ///< without an accepted update [s]
-  double max_gap = 5.0;      ///< without points [s]
+  double max_gap = 5.0;      ///< without points, or without IMU data where they are asked for [s]
 };
 
 /// Follows the health of a run from update to update. An update is refused when its step was not accepted.
@@ -29,7 +29,8 @@ struct TrackingLimits {
 ///                               filter that follows moving things or a wrong start explains its motion with it
 ///   degraded -> lost            after more than max_silence of refused updates
 ///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
-///                               max_gap: dead reckoning is then off by more than what a match can make good
+///                               max_gap: dead reckoning is then off by more than what a match can make good; and with
+///                               an IMU that is silent for as long, which leaves nothing to predict from
 ///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted updates
 class Tracking {
  public:
@@ -39,6 +40,8 @@ class Tracking {
   void observe(const Update& update, TimeNs begin, TimeNs end);
   /// There were no points within (begin, end). Lost, if that is too long.
   void observe_gap(TimeNs begin, TimeNs end);
+  /// There are no IMU data for more than max_gap after `t`, or none ever: lost.
+  void observe_silent_imu(TimeNs t);
   /// The run goes on from a new first state at `t`. Pre: lost.
   void restart(TimeNs t);
 

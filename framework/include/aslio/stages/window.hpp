@@ -39,7 +39,8 @@ struct Feedback {
 class StreamView {
  public:
   virtual ~StreamView() = default;
-  /// All points / IMU samples up to and including this time have arrived. kTimeMax once the source has ended.
+  /// All points / IMU samples up to and including this time have arrived, or are waited for no longer. kTimeMax once
+  /// the source has ended.
   virtual TimeNs points_until() const = 0;
   virtual TimeNs imu_until() const = 0;
   /// Time of the last point / IMU sample that has arrived (kTimeMin: none).

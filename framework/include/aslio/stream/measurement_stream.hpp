@@ -49,6 +49,9 @@ class MeasurementStream final : public StreamView {
   void finish();
   /// Nobody takes IMU data: it is not waited for, and what is pushed is dropped.
   void leave_imu_out() { imu_left_out_ = true; }
+  /// From now on IMU data are not waited for where points of more than `patience` [ns] later have come. (Else one that
+  /// falls silent would stop all windows, and the points pile up.)
+  void wait_for_imu(TimeNs patience) { imu_patience_ = patience; }
 
   /// The window of a plan: spans into the stream, IMU interpolated at both ends (held where IMU data is missing).
   /// Valid until the next push(), release() or cut().
@@ -57,6 +60,9 @@ class MeasurementStream final : public StreamView {
   /// the nearest sample had to be held at an end, or a gap lies inside (more than 5 median periods, bridged linearly);
   /// `out` is filled all the same, and empty only when there is no IMU data at all.
   bool imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const;
+  /// The sample after which there is none for more than `longest` [ns], the first such that lies before `end` and has
+  /// its successor after `begin`. After the newest sample, to the newest point.
+  std::optional<TimeNs> imu_silent_after(TimeNs begin, TimeNs end, TimeNs longest) const;
   /// Everything up to `t` may be forgotten; later arrivals before it are late, or, before the first cut, before the
   /// start.
   void release(TimeNs t);
@@ -118,6 +124,7 @@ class MeasurementStream final : public StreamView {
   std::uint32_t next_index_ = 0;
   bool finished_ = false;
   bool imu_left_out_ = false;
+  TimeNs imu_patience_ = kTimeMax;
   StreamCounters counters_;
 };
 
