@@ -44,7 +44,7 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   }
   if (const double speed = s.v.norm(); speed > limits_.max_speed) {
     return diverge(end, ever_accepted_,
-                   fmt::format("the speed is {:.1f} m/s, above max_speed {:.1f} m/s", speed, limits_.max_speed));
+                   fmt::format("the speed is {:.2f} m/s, above max_speed {:g} m/s", speed, limits_.max_speed));
   }
   if (update.status == UpdateStatus::initialising) {
     // One window builds the map. A map that stays empty gets no points, and nothing will ever be registered.

@@ -50,10 +50,10 @@ function axis(extra) {
   };
 }
 
-/** Linear where the values span little, as powers of ten would leave most of the chart empty. */
+/** Linear where the values span little, as powers of ten would leave most of the chart empty; from 0 where there is but one. */
 function fitAxis(name, values, extra) {
   const low = values.length ? Math.min(...values) : 0, high = values.length ? Math.max(...values) : 1;
-  return high / low > 30 ? logAxis(name, extra) : axis({type: 'value', name, scale: true, ...extra});
+  return high / low > 30 ? logAxis(name, extra) : axis({type: 'value', name, scale: high > 1.001 * low, ...extra});
 }
 
 const logAxis = (name, extra) => axis({type: 'log', name, axisLabel: {color: ink('muted'), fontSize: 11, formatter: brief, hideOverlap: true}, ...extra});
