@@ -221,7 +221,7 @@ TEST_CASE("an IMU that falls silent is a loss while the points go on, and none o
   const simulator::AnalyticWorld world({.seed = 2});
   const auto source = world.source();
   const TimeNs begin = world.begin_time(), dies = begin + to_ns(2.0), back = begin + to_ns(12.0);
-  const Recording whole = record(*source, begin + to_ns(14.0));
+  const Recording whole = record(*source, begin + to_ns(18.0));
   for (const char* name : {"as_lio", "fixed_window", "fast_lio2"}) {
     CAPTURE(name);
     Run dead(shipped(name), world.sensor());
@@ -235,15 +235,15 @@ TEST_CASE("an IMU that falls silent is a loss while the points go on, and none o
     dead.finish();
     REQUIRE(dead.odometry.losses().size() == 1);
     CHECK(dead.odometry.losses().front().reason == "no IMU data for more than max_gap 5 s from then on");
-    CHECK(std::abs(to_seconds(told - dies) - 5.1) < 0.15);
+    CHECK(std::abs(to_seconds(told - dies) - 10.1) < 0.15);
     CHECK(dead.odometry.losses().front().t <= dies + 1);
     CHECK_FALSE(dead.odometry.losses().front().restarted);
     CHECK(dead.updates.back().plan.end <= dies);
     CHECK(static_cast<double>(most) <
-          1.1 * (5.1 / 14.0) * static_cast<double>(dead.odometry.stream().counters().points));
+          1.1 * (10.1 / 18.0) * static_cast<double>(dead.odometry.stream().counters().points));
 
     Run returns(shipped(name), world.sensor());
-    returns.play(without<ImuSample>(whole, dies, back));
+    returns.play(without<ImuSample>(record(*world.source(), begin + to_ns(14.0)), dies, back));
     REQUIRE(returns.odometry.losses().size() == 1);
     CHECK(returns.odometry.losses().front().t == dead.odometry.losses().front().t);
     REQUIRE(returns.odometry.losses().front().restarted);
@@ -255,7 +255,7 @@ TEST_CASE("an IMU that falls silent is a loss while the points go on, and none o
   Run without_imu(shipped("kiss_icp"), world.sensor());
   without_imu.play(without<ImuSample>(whole, dies, kTimeMax));
   for (const auto& loss : without_imu.odometry.losses()) CHECK_THAT(loss.reason, !Contains("IMU"));
-  CHECK(without_imu.updates.back().plan.end > begin + to_ns(13.5));
+  CHECK(without_imu.updates.back().plan.end > begin + to_ns(17.5));
   Run brief(shipped("as_lio", {"max_gap=0.5"}), world.sensor());
   brief.play(without<ImuSample>(whole, dies, dies + to_ns(0.4)));
   CHECK(brief.odometry.losses().empty());
@@ -303,6 +303,32 @@ TEST_CASE("where a run begins anew is in the data, not in how they arrive") {
       }
     }
   }
+}
+
+TEST_CASE("an IMU that is late is waited for, however long it was silent before") {
+  const simulator::AnalyticWorld world({.seed = 2});
+  const TimeNs begin = world.begin_time();
+  const Recording brief =
+      without<ImuSample>(record(*world.source(), begin + to_ns(11.0)), begin + to_ns(3.0), begin + to_ns(7.0));
+  Run usual(shipped("fixed_window", {"max_silence=10"}), world.sensor());
+  usual.play(brief);
+  for (const double lead : {0.3, -1.5, -4.5}) {
+    CAPTURE(lead);
+    Run other(shipped("fixed_window", {"max_silence=10"}), world.sensor());
+    CHECK(other.play(with_early_imu(brief, to_ns(lead))).digests() == usual.digests());
+    for (const auto& loss : other.odometry.losses()) CHECK_THAT(loss.reason, !Contains("IMU"));
+  }
+}
+
+TEST_CASE("a few samples of an IMU that was silent are no part of a later start") {
+  const simulator::AnalyticWorld world({.seed = 2});
+  const TimeNs begin = world.begin_time(), dies = begin + to_ns(2.0), back = begin + to_ns(12.0);
+  const Recording whole = record(*world.source(), begin + to_ns(14.0));
+  Run usual(shipped("as_lio"), world.sensor()), blip(shipped("as_lio"), world.sensor());
+  usual.play(without<ImuSample>(whole, dies, back));
+  blip.play(without<ImuSample>(without<ImuSample>(whole, dies, begin + to_ns(8.0)), begin + to_ns(8.05), back));
+  REQUIRE(usual.updates.back().segment == 1);
+  CHECK(blip.digests() == usual.digests());
 }
 
 TEST_CASE("before the first IMU data, points of more than five seconds ago are not kept") {

@@ -12,8 +12,9 @@ namespace {
 
 /// A position that was dead-reckoned for longer is worth less than none [s].
 constexpr double kReckonedPosition = 10.0;
-/// Two samples of the IMU further apart are a gap, over which nothing is dead-reckoned [ns].
+/// Two samples of the IMU further apart are a gap, over which nothing is dead-reckoned or averaged [ns].
 constexpr TimeNs kImuGap = kSecond / 4;
+bool is_gap(const ImuSample& a, const ImuSample& b) { return b.t - a.t > kImuGap; }
 /// An acceleration turns the mean specific force by no more than this from the vertical [rad].
 constexpr double kMostTilt = 20.0 * kRadPerDegree;
 
@@ -50,8 +51,7 @@ std::optional<NavState> NewStart::reckoned(const stream::MeasurementStream& stre
   if (!known_.state || t - known_.state->t > kLongestReckoning) return std::nullopt;
   // Not what the stream calls a gap: that depends on the samples that have arrived.
   stream.imu_covering(known_.state->t, t, imu);
-  const auto gap = [](const ImuSample& a, const ImuSample& b) { return b.t - a.t > kImuGap; };
-  if (imu.size() < 2 || std::adjacent_find(imu.begin(), imu.end(), gap) != imu.end()) return std::nullopt;
+  if (imu.size() < 2 || std::adjacent_find(imu.begin(), imu.end(), is_gap) != imu.end()) return std::nullopt;
   const NavState state = estimator.predict(imu);
   const bool finite = state.R.allFinite() && state.p.allFinite() && state.v.allFinite();
   return finite && state.v.norm() <= known_.max_speed ? std::optional(state) : std::nullopt;
@@ -73,6 +73,11 @@ std::optional<Initialisation> NewStart::find(const stream::MeasurementStream& st
     const TimeNs begin = after.front().t;
     const auto used = samples_over(stream, begin, stream.imu_until(), params_.time, begin);
     if (used.empty()) return std::nullopt;
+    const auto gap = std::adjacent_find(used.begin(), used.end(), is_gap);
+    if (gap != used.end()) {  // what was measured before it says nothing of after
+      from_ = std::next(gap)->t;
+      continue;
+    }
     from_ = used.back().t;
     const Averages mean = average(used);
     // That the recording starts at rest says nothing of later.

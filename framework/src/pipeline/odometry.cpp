@@ -107,7 +107,8 @@ class Odometry::Loop {
       return false;
     }
     begin(initialisation_->initial);
-    stream_.wait_for_imu(std::max(to_ns(config_.limits.max_gap), kMostKept));
+    // A silence is known to be longer than max_gap once points that much later came, and the IMU may still be late.
+    stream_.wait_for_imu(to_ns(config_.limits.max_gap) + kMostKept);
     return true;
   }
 
@@ -122,6 +123,9 @@ class Odometry::Loop {
   /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.
   bool restart() {
     if (!new_start_) new_start_.emplace(last_known(), config_.initialisation, sensor_);
+    if (stages_.estimator->uses_imu() && stream_.last_point() > kTimeMin + kMostKept) {
+      new_start_->skip(stream_.last_point() - kMostKept);  // IMU data of points that are kept no longer
+    }
     const auto found = new_start_->find(stream_, *stages_.estimator);
     if (!found) {
       if (stages_.estimator->uses_imu()) stream_.release(new_start_->keep_imu_from());
@@ -234,7 +238,8 @@ class Odometry::Loop {
     return a;
   }
 
-  /// Of data that wait for others: IMU data that come later than this after points are too late.
+  /// Of data that wait for others, while there is no state. IMU data that come no later than this after the points
+  /// change nothing by it.
   static constexpr TimeNs kMostKept = 5 * kSecond;
   PipelineConfig config_;
   SensorModel sensor_;

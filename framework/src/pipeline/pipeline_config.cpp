@@ -15,7 +15,8 @@ void PipelineConfig::describe(config::Binder& b, PipelineConfig& p) {
   b.real("max_speed", p.limits.max_speed, "m/s", {.above = 0}, "a faster state has diverged");
   b.real("max_silence", p.limits.max_silence, "s", {.above = 0},
          "so has a run without an accepted update for longer than this");
-  b.real("max_gap", p.limits.max_gap, "s", {.above = 0}, "and one without points, or IMU data, for longer than this");
+  b.real("max_gap", p.limits.max_gap, "s", {.above = 0},
+         "and one without points, or between two IMU samples, for longer than this");
   b.choice("when_lost", p.when_lost,
            {{"restart", PipelineConfig::WhenLost::restart}, {"end", PipelineConfig::WhenLost::end}},
            "a run that has diverged begins anew with an empty map, from the last pose it knew, or ends");

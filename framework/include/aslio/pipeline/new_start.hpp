@@ -1,6 +1,7 @@
 #pragma once
 /// Where a run goes on after it was lost (docs/equations.md INI-5).
 
+#include <algorithm>
 #include <optional>
 
 #include "aslio/pipeline/initialiser.hpp"
@@ -18,8 +19,8 @@ struct LastKnown {
 };
 
 /// The search for a new first state, in the data after the loss. What it finds depends on the data alone, not on how
-/// much of it has arrived when it is asked: it goes on where it stood. (But for the points of the first moments, which
-/// are gone where IMU data come more than 5 s after them.)
+/// much of it has arrived when it is asked: it goes on where it stood. (But where IMU data
+/// come more than 5 s after their points, which are kept no longer: skip().)
 class NewStart {
  public:
   /// Dead reckoning over more than this is forgotten [ns].
@@ -33,6 +34,8 @@ class NewStart {
   /// searched_until() on, and the IMU data from keep_imu_from() on.
   std::optional<Initialisation> find(const stream::MeasurementStream& stream, const Estimator& estimator);
 
+  /// Nothing is searched up to `t`.
+  void skip(TimeNs t) { from_ = std::max(from_, t); }
   /// The new start is later than this.
   TimeNs searched_until() const { return from_; }
   /// IMU data that dead reckoning, or the search, may still ask for.
