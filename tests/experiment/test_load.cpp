@@ -73,6 +73,30 @@ TEST_CASE("seeds and scale of the command line replace those of the file, and ma
   CHECK(other.data[0].identity != plain.data[1].identity);
 }
 
+TEST_CASE("the seed stands for its placeholder in what a scene sets, and each recording is another scene") {
+  const StudyFiles files;
+  const std::string one = "methods:\n" + method("a", "fixed_window");
+  const auto study = [&](const std::string& datasets) { return head() + "datasets: [" + datasets + "]\n" + one; };
+  const std::string worlds = "{scene: scene_a.yaml, seeds: 31-32, set: ['world.seed={seed}', b=2], name: w}";
+  const Study many = files.load(study(worlds));
+  REQUIRE(many.data.size() == 2);
+  CHECK(many.data[0].name == "w_31");
+  CHECK(many.data[0].set == std::vector<std::string>{"world.seed=31", "b=2"});
+  CHECK(many.data[1].set == std::vector<std::string>{"world.seed=32", "b=2"});
+  // What is simulated is what counts: the same scene written out is the same recording.
+  const Study written = files.load(study("{scene: scene_a.yaml, seeds: 31, set: [world.seed=31, b=2], name: w}"));
+  CHECK(written.data[0].identity == many.data[0].identity);
+  CHECK(many.data[0].identity != many.data[1].identity);
+  StudyReading reading;
+  reading.seeds = std::vector<std::uint64_t>{7};
+  CHECK(files.load(study(worlds), reading).data[0].set[0] == "world.seed=7");
+  // Entries of one name are one scene: both with the placeholder, or both without.
+  CHECK(files.complaint(study(worlds + ", {scene: scene_a.yaml, seeds: 33, set: ['world.seed={seed}', b=2], name: w}"))
+            .empty());
+  CHECK_THAT(files.complaint(study(worlds + ", {scene: scene_a.yaml, seeds: 1, set: [world.seed=1, b=2], name: w}")),
+             Contains("study.yaml:5:") && Contains("both are called 'w'"));
+}
+
 TEST_CASE("axes make a grid over all methods, the last axis fastest") {
   const StudyFiles files;
   const Study study =

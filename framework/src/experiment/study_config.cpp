@@ -71,7 +71,7 @@ void StudyDataConfig::describe(config::Binder& b, StudyDataConfig& data) {
   b.text("dataset", data.dataset,
          "dataset file, a folder with dataset.yaml, or a pattern of them (*, ?, [..]); this or `scene`");
   b.text("seeds", data.seeds, "of the simulation, as in 1-10 or 1-3,7; one recording each");
-  b.texts("set", data.set, {}, "key.path=value, for the scene");
+  b.texts("set", data.set, {}, "key.path=value, for the scene; {seed} is the seed of the recording");
   b.text("name", data.name, "what tables call the sequence; empty: the name of the scene file, or of the dataset");
   b.require(data.scene.empty() != data.dataset.empty(), "scene",
             "and dataset exclude each other, and one is required: name a scene file or a dataset file");

@@ -63,6 +63,17 @@ std::vector<std::string> made_later(const std::vector<std::string>& assignments)
   return keys;
 }
 
+/// What a scene sets, with the seed of the recording for {seed}.
+std::vector<std::string> with_seed(std::vector<std::string> assignments, std::uint64_t seed) {
+  constexpr std::string_view kSeed = "{seed}";
+  const std::string number = std::to_string(seed);
+  for (std::string& text : assignments) {
+    for (std::size_t at = text.find(kSeed); at != std::string::npos; at = text.find(kSeed, at + number.size()))
+      text.replace(at, kSeed.size(), number);
+  }
+  return assignments;
+}
+
 class Reader {
  public:
   Reader(const fs::path& path, const config::StageLookup& stages, const StudyReading& reading)
@@ -178,23 +189,26 @@ class Reader {
   void add_scene(const StudyDataConfig& config, std::size_t index) {
     StudyData data;
     data.scene = at(config.scene);
-    data.set = config.set;
     data.scale = reading_.scale;
     data.sequence = config.name.empty() ? data.scene.stem().string() : config.name;
+    const auto seeds = *(reading_.seeds ? reading_.seeds : parse_seeds(config.seeds));
+    const bool by_seed = with_seed(config.set, seeds.front()) != config.set;
     std::string resolved;
     try {
-      resolved = reading_.resolve_scene(data.scene, data.set);
+      resolved = reading_.resolve_scene(data.scene, with_seed(config.set, seeds.front()));
+      // Of scenes that go by the seed, one and the same stands for all: that of seed 1.
+      const std::string all = by_seed ? reading_.resolve_scene(data.scene, with_seed(config.set, 1)) : resolved;
+      require_one_scene(data.sequence, (by_seed ? "by seed\n" : "") + all, index);
+      for (const std::uint64_t seed : seeds) {
+        data.seed = seed;
+        data.set = with_seed(config.set, seed);
+        data.name = fmt::format("{}_{}", data.sequence, seed);
+        if (by_seed) resolved = reading_.resolve_scene(data.scene, data.set);
+        data.identity = sha256_of(fmt::format("scene\n{}\nseed {}\nscale {}\n", resolved, seed, data.scale));
+        add_named(data, index);
+      }
     } catch (const ConfigError& error) {
       add_problems(place("datasets", index, "scene"), "", error.what());
-      return;
-    }
-    require_one_scene(data.sequence, resolved, index);
-    const auto seeds = reading_.seeds ? reading_.seeds : parse_seeds(config.seeds);
-    for (const std::uint64_t seed : *seeds) {
-      data.seed = seed;
-      data.name = fmt::format("{}_{}", data.sequence, seed);
-      data.identity = sha256_of(fmt::format("scene\n{}\nseed {}\nscale {}\n", resolved, seed, data.scale));
-      add_named(data, index);
     }
   }
 
@@ -207,7 +221,7 @@ class Reader {
     study_.data.push_back(std::move(data));
   }
 
-  /// Figures of one row of a table are replicates: one world, other seeds.
+  /// Figures of one row of a table are replicates: one scene, other seeds.
   void require_one_scene(const std::string& sequence, const std::string& what, std::size_t index) {
     const auto [other, is_new] = scenes_.emplace(sequence, std::pair(what, index));
     if (is_new || other->second.first == what) return;
