@@ -15,6 +15,18 @@ TEST_CASE("every command has help with an example") {
   }
 }
 
+TEST_CASE("the version is a command and an option") {
+  const Ended command = run_aslio({"version"});
+  CHECK(command.code == 0);
+  CHECK_THAT(command.out, Catch::Matchers::StartsWith("aslio ") && Contains(" ("));
+  for (const char* option : {"--version", "-V"}) {
+    const Ended ended = run_aslio({option});
+    CHECK(ended.code == 0);
+    CHECK(ended.out == command.out);
+    CHECK(ended.err.empty());
+  }
+}
+
 TEST_CASE("list names families and their members") {
   const Ended all = run_aslio({"list"});
   CHECK(all.code == 0);

@@ -117,7 +117,7 @@ TEST_CASE("an unknown command is named, with the nearest") {
 }
 
 TEST_CASE("results that stdout does not take are a failure") {
-  for (const char* command : {"version", "list", "--help"}) {
+  for (const char* command : {"version", "--version", "list", "--help"}) {
     const Ended ended = run_aslio_to("/dev/full", {command});
     INFO(command);
     CHECK(ended.code == 3);

@@ -66,14 +66,15 @@ function standingTable(study, metric) {
   const table = study.table(metric);
   const lines = standing(study, metric);
   const anyRatio = lines.some((line) => line.comparison);
-  const head = ['Method', table.smaller ? `Best, second of ${study.sequences.length}` : null,
+  const ranked = table.smaller && lines.length > 1;
+  const head = ['Method', ranked ? `Best, second of ${study.sequences.length}` : null,
     anyRatio ? 'Ratio to baseline' : null, anyRatio ? 'Pairs won / lost' : null, 'CPU per s of data', 'Failed'];
   return h('div', {class: 'scroll'}, h('table', {class: 'plain standing'},
     h('thead', null, h('tr', null, head.filter(Boolean).map((text) => h('th', {scope: 'col'}, text)))),
     h('tbody', null, lines.map((line) => h('tr', null,
       h('th', {scope: 'row'}, h('span', {class: 'swatch', style: {'--c': colourOf(line.m)}, 'data-method': line.m}), line.name,
         line.baseline && h('span', {class: 'tag'}, 'baseline')),
-      table.smaller && h('td', null, winsBar(line, study.sequences.length), h('span', {class: 'count'}, `${line.best}, ${line.second}`)),
+      ranked && h('td', null, winsBar(line, study.sequences.length), h('span', {class: 'count'}, `${line.best}, ${line.second}`)),
       anyRatio && h('td', {class: ratioClass(line.comparison)}, line.comparison ? ratioText(line.comparison.ratio) : ''),
       anyRatio && h('td', null, line.comparison ? `${line.comparison.pairs[0]} / ${line.comparison.pairs[1]}` : ''),
       h('td', null, line.cost === null ? '' : `${brief(line.cost)} s`),
