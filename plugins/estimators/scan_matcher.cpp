@@ -123,40 +123,47 @@ ScanMatcher::Step ScanMatcher::move(const PoseInformation& sum, const Mat6& held
   return small ? Step::small : Step::moved;
 }
 
-/// eq. SWP-2. False: too little was matched, or the step was not finite, and the pose stays.
+/// Gauss-Newton over the matches of one search. False: too little is matched, or a step is not finite.
+bool ScanMatcher::descend(PointMatches Kind::*points, bool first, Descent& at) {
+  ++result_.iterations;
+  for (int j = 0; j < params_.max_steps; ++j) {
+    at.sum = {};
+    for (Kind* kind : {&lines_, &planes_}) {
+      (kind->*points).place(at.end);
+      at.sum += measure(kind->*points, *kind->residual, at.end);
+    }
+    result_.fresh_matches = static_cast<std::uint32_t>(at.sum.accepted);
+    if (static_cast<std::int64_t>(at.sum.accepted) < params_.min_matches) return false;
+    if (first && j == 0) at.held = held_directions(at.sum.A);
+    const Step step = move(at.sum, at.held, at.end);
+    if (step == Step::refused) return false;
+    converged_ = step == Step::small;
+    at.settled = converged_ && j == 0;
+    if (converged_) break;
+  }
+  return true;
+}
+
+void ScanMatcher::take(const Descent& at) {
+  last_ = at.sum;
+  trajectory_.correct(at.end);
+}
+
+/// eq. SWP-2. False: the pose stays.
 bool ScanMatcher::match_map(const Map& map) {
   const CpuTimer timer(result_.times.solve);
-  Pose end = trajectory_.corrected_end();
-  Mat6 held = Mat6::Identity();
-  PoseInformation sum;
-  bool settled = false;
-  for (int search = 0; search < params_.map_searches && !settled; ++search) {
+  Descent at{.end = trajectory_.corrected_end()};
+  for (int search = 0; search < params_.map_searches && !at.settled; ++search) {
     {
       const CpuTimer searching(result_.times.associate, result_.times.solve);
       for (Kind* kind : {&lines_, &planes_}) {
-        kind->all.place(end);
-        kind->all.associate(map, *kind->residual, frame_.viewpoint(end), 0xffffffff, kind->feature);
+        kind->all.place(at.end);
+        kind->all.associate(map, *kind->residual, frame_.viewpoint(at.end), 0xffffffff, kind->feature);
       }
     }
-    ++result_.iterations;
-    for (int j = 0; j < params_.max_steps; ++j) {
-      sum = {};
-      for (Kind* kind : {&lines_, &planes_}) {
-        kind->all.place(end);
-        sum += measure(kind->all, *kind->residual, end);
-      }
-      result_.fresh_matches = static_cast<std::uint32_t>(sum.accepted);
-      if (static_cast<std::int64_t>(sum.accepted) < params_.min_matches) return false;
-      if (search == 0 && j == 0) held = held_directions(sum.A);
-      const Step step = move(sum, held, end);
-      if (step == Step::refused) return false;
-      converged_ = step == Step::small;
-      settled = converged_ && j == 0;  // new matches would change nothing
-      if (converged_) break;
-    }
+    if (!descend(&Kind::all, search == 0, at)) return false;
   }
-  last_ = sum;
-  trajectory_.correct(end);
+  take(at);
   return true;
 }
 

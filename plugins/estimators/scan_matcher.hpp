@@ -65,9 +65,18 @@ class ScanMatcher final : public Estimator {
   };
   /// What a step of Gauss-Newton was like.
   enum class Step : std::uint8_t { refused, moved, small };
+  /// A pose on its way down.
+  struct Descent {
+    Pose end;
+    Mat6 held = Mat6::Identity();  ///< directions in which it may move, from the first rows
+    PoseInformation sum = {};      ///< of the last step
+    bool settled = false;          ///< new matches would change nothing
+  };
 
   void propagate(const Window& window);
   void load(const Window& window, const StepContext& context);
+  bool descend(PointMatches Kind::*points, bool first, Descent& at);
+  void take(const Descent& at);
   void list_clearest(Kind& kind);
   bool match_last_sweep();
   void associate_clearest(Kind& kind);

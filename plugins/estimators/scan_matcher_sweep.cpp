@@ -91,32 +91,15 @@ bool ScanMatcher::match_last_sweep() {
   if (params_.sweep_searches == 0) return false;
   const CpuTimer timer(result_.times.solve);
   for (Kind* kind : {&lines_, &planes_}) list_clearest(*kind);
-  Pose end = prior_.pose();
-  Mat6 held = Mat6::Identity();
-  PoseInformation sum;
+  Descent at{.end = prior_.pose()};
   for (int search = 0; search < params_.sweep_searches; ++search) {
     for (Kind* kind : {&lines_, &planes_}) {
-      kind->clearest.place(end);
+      kind->clearest.place(at.end);
       associate_clearest(*kind);
     }
-    ++result_.iterations;
-    for (int j = 0; j < params_.max_steps; ++j) {
-      sum = {};
-      for (Kind* kind : {&lines_, &planes_}) {
-        kind->clearest.place(end);
-        sum += measure(kind->clearest, *kind->residual, end);
-      }
-      result_.fresh_matches = static_cast<std::uint32_t>(sum.accepted);
-      if (static_cast<std::int64_t>(sum.accepted) < params_.min_matches) return false;
-      if (search == 0 && j == 0) held = held_directions(sum.A);
-      const Step step = move(sum, held, end);
-      if (step == Step::refused) return false;
-      converged_ = step == Step::small;
-      if (converged_) break;
-    }
+    if (!descend(&Kind::clearest, search == 0, at)) return false;
   }
-  last_ = sum;
-  trajectory_.correct(end);
+  take(at);
   return true;
 }
 
