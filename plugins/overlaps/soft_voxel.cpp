@@ -40,6 +40,8 @@ void SoftVoxel::describe(config::Binder& b, Params& p) {
   b.require(!(p.layers && p.margin_m), "margin_m", "excludes layers: give the one or the other");
   b.require(!p.layers || *p.layers == std::floor(*p.layers), "layers", "must be a whole number");
   b.require(!p.margin_m || whole_voxels(*p.margin_m, p.voxel) <= kDeepest, "margin_m", "must be at most 7 voxels");
+  b.require(!p.margin_m || *p.margin_m == 0.0 || whole_voxels(*p.margin_m, p.voxel) >= 1.0, "margin_m",
+            "is less than half a voxel, which is no margin: give half a voxel or more, or 0");
   const bool listed = p.beta == Beta::list;
   b.require(listed || p.beta_list.empty(), "beta_list", "is used with 'beta: list' only");
   b.require(!listed || p.beta_list.size() == static_cast<std::size_t>(depth(p)), "beta_list",

@@ -24,6 +24,11 @@ void FixedWindow::describe(config::Binder& b, Params& p) {
            "where a window ends: every period, or with the last point of each sweep");
   b.optional_real("frame_length", p.frame_length, "s", {.min = 1e-3, .max = 10.0}, "= period",
                   "length of a window with its history; what exceeds the period is history");
+  b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
+         "time after the first insertion into the map during which an update comes every frame_length, as in "
+         "sod_adaptive: a start in motion is met at its slowest rate");
+  b.require(p.warmup == 0.0 || (p.frame_length && p.cut == Cut::time), "warmup",
+            "is a time of updates every frame_length: it needs that to be set, and 'cut: time'");
   b.require(!p.frame_length || *p.frame_length >= p.period, "frame_length",
             "must be at least the period, or points between two windows would never be used");
 }
@@ -31,11 +36,15 @@ void FixedWindow::describe(config::Binder& b, Params& p) {
 FixedWindow::FixedWindow(const Params& params, const BuildContext&)
     : period_(to_ns(params.period)),
       frame_length_(to_ns(params.frame_length.value_or(params.period))),
+      warmup_(to_ns(params.warmup)),
       cut_(params.cut) {}
 
 std::optional<WindowPlan> FixedWindow::next(const StreamView& stream, const Feedback& feedback, OverlapProbe&) {
+  const bool warming_up =
+      warmup_ > 0 && (feedback.first_insertion == kTimeMax || feedback.t - feedback.first_insertion < warmup_);
+  const TimeNs period = warming_up ? frame_length_ : period_;
   const auto tile = cut_ == Cut::sweep ? settle_sweep(stream, feedback.t, period_)
-                                       : settle(stream, {.begin = feedback.t, .shift = period_, .limit = period_});
+                                       : settle(stream, {.begin = feedback.t, .shift = period, .limit = period});
   if (!tile) return std::nullopt;
   WindowPlan plan;
   plan.fresh_begin = feedback.t;

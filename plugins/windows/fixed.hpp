@@ -18,6 +18,7 @@ class FixedWindow final : public WindowStrategy {
     double period = 0.1;
     Cut cut = Cut::time;
     std::optional<double> frame_length = std::nullopt;
+    double warmup = 0.0;
   };
   static void describe(config::Binder& b, Params& p);
 
@@ -29,6 +30,7 @@ class FixedWindow final : public WindowStrategy {
  private:
   TimeNs period_;
   TimeNs frame_length_;
+  TimeNs warmup_;
   Cut cut_;
 };
 

@@ -15,6 +15,7 @@ constexpr TimeNs kLatestBegin = 10 * kSecond;
 ReplaySchedule prepare(const ReplayWindow::Params& params) {
   if (params.file.empty()) throw ConfigError("window 'replay' needs a 'file': the updates.csv of a run, for example");
   ReplaySchedule schedule = ReplaySchedule::read(params.file);
+  const std::vector<ReplaySchedule::Update> head = schedule.split(to_ns(params.warmup));
   schedule.rotate(to_ns(params.shift));
   switch (params.order) {
     case ReplayWindow::Order::recorded:
@@ -29,6 +30,7 @@ ReplaySchedule prepare(const ReplayWindow::Params& params) {
       schedule.by_turn_rate();
       break;
   }
+  schedule.prepend(head);
   return schedule;
 }
 
@@ -49,6 +51,9 @@ void ReplayWindow::describe(config::Binder& b, Params& p) {
            "history; as many of equal length; or as many of like lengths, the shorter the faster the sensor turns, by "
            "column gyro_rms_rad_s");
   b.integer("seed", p.seed, "", {.min = 0, .max = 1e9}, "draws the order 'shuffled'");
+  b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
+         "updates that end within this time of the first keep their place, whatever the shift and the order: the first "
+         "second of sod_adaptive is at its slowest rate for a reason that is not the overlap");
   b.real("period", p.period, "s", {.min = 1e-3, .max = 10.0},
          "time between updates, without history, once the schedule has ended");
   b.require(p.shift == 0.0 || p.order == Order::recorded || p.order == Order::shuffled, "shift",

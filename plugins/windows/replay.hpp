@@ -20,6 +20,7 @@ class ReplayWindow final : public WindowStrategy {
     double shift = 0.0;
     Order order = Order::recorded;
     std::int64_t seed = 1;
+    double warmup = 1.0;
     double period = 0.1;
   };
   static void describe(config::Binder& b, Params& p);

@@ -154,6 +154,19 @@ ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& s
   return schedule;
 }
 
+std::vector<ReplaySchedule::Update> ReplaySchedule::split(TimeNs warmup) {
+  const TimeNs first = updates_.front().end;
+  const auto rest = std::prev(
+      std::find_if(updates_.begin() + 1, updates_.end(), [&](const Update& u) { return u.end - first > warmup; }));
+  std::vector<Update> head(updates_.begin(), rest);
+  updates_.erase(updates_.begin(), rest);
+  return head;
+}
+
+void ReplaySchedule::prepend(const std::vector<Update>& head) {
+  updates_.insert(updates_.begin(), head.begin(), head.end());
+}
+
 void ReplaySchedule::rotate(TimeNs shift) {
   const TimeNs first = updates_.front().end, span = updates_.back().end - first;
   if (span == 0) return;

@@ -28,6 +28,12 @@ class ReplaySchedule {
   /// The same from text; `source` is named in errors.
   static ReplaySchedule parse(std::string_view text, const std::string& source);
 
+  /// Takes the updates that end up to `warmup` after the first end off the front, but for the last of them, with which
+  /// the rest begins, and gives them back as they are; maybe none. `prepend` puts them there again: what is done in
+  /// between leaves them, and the end at which they meet the rest, in their places.
+  std::vector<Update> split(TimeNs warmup);
+  void prepend(const std::vector<Update>& head);
+
   /// Moves the rhythm by `shift` around the circle from the first end to the last, which both stay: as many updates
   /// (one more where the seam falls inside an interval), at other times.
   void rotate(TimeNs shift);

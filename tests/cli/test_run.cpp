@@ -57,6 +57,17 @@ TEST_CASE("a run leaves its files, with the columns that are documented") {
   CHECK(map.size() > 10000);
 }
 
+TEST_CASE("the window that starts the map is covered, whether its points enter at once or when they leave it") {
+  const Bench bench;
+  for (const std::string insertion : {"on_new", "on_exit"}) {
+    CAPTURE(insertion);
+    const Ended ended = bench.run(insertion, {"--set", "insertion={type: " + insertion + "}"});
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    CHECK(json(bench / insertion / "summary.json").at("coverage").get<double>() > 0.99);
+  }
+}
+
 TEST_CASE("the summary tells what the run amounts to, the manifest what was run") {
   const Bench bench;
   write_truth(bench / "truth.tum");

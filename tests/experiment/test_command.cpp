@@ -17,7 +17,7 @@ namespace {
 std::string study_text() {
   return head() + "datasets: [{scene: small.yaml, seeds: 1-2, name: q}]\nmethods:\n" + method("fixed", "fixed_window") +
          method("replayed", "fixed_window",
-                "set: {window: {type: replay, file: '{run:fixed}/updates.csv', shift: 1}}") +
+                "set: {window: {type: replay, file: '{run:fixed}/updates.csv', shift: 1, warmup: 0}}") +
          "baseline: fixed\nmetrics: [ate_m]\n";
 }
 

@@ -78,10 +78,10 @@ class OracleSchedule(StudyCase):
     def test_like_a_run_the_short_intervals_are_where_least_is_known(self):
         # Half of the time in intervals of 100 ms, half of 20 ms; half of the view's time is known.
         shares = [1.0] * 100 + [0.2] * 100
-        ends = [0]
+        overlap = oracle.Overlap(self.overlap(shares), 0.01)
+        ends = [int(overlap.begin)]
         for step in [20] * 50 + [100] * 10:  # the run had them the other way round
             ends.append(ends[-1] + step * MS)
-        overlap = oracle.Overlap(self.overlap(shares), 0.01)
         updates = oracle.schedule_like(overlap, ends, options())
         steps = [round((b[0] - a[0]) / MS) for a, b in zip(updates, updates[1:])]
         self.assertEqual(steps[:9], [100] * 9)
@@ -90,15 +90,34 @@ class OracleSchedule(StudyCase):
         late = oracle.schedule_like(overlap, ends, options(ahead=0.5))  # knows of it half a second before
         self.assertEqual([round((b[0] - a[0]) / MS) for a, b in zip(late, late[1:])][6:10], [20] * 4)
 
+    def test_like_a_run_its_warm_up_stays(self):
+        # Nothing is known at first; the run had 100 ms there for a second, then 20 ms.
+        ends = [k * 100 * MS for k in range(1, 12)] + [1100 * MS + k * 20 * MS for k in range(1, 46)]
+        overlap = oracle.Overlap(self.overlap([0.0] * 50 + [1.0] * 150), 0.01)
+        base = overlap.begin
+        updates = oracle.schedule_like(overlap, [int(base) + end for end in ends], options(warmup=1.0))
+        steps = [round((b[0] - a[0]) / MS) for a, b in zip(updates, updates[1:])]
+        self.assertEqual(updates[0], (base + 100 * MS, base))
+        self.assertEqual(steps[:10], [100] * 10)
+        self.assertEqual(set(steps[10:]), {20})
+
     def test_like_a_run_of_a_study(self):
         self.overlap([1.0] * 20 + [0.5] * 20, "data/a_1/overlap.csv")
         code, _, err = printed(oracle.main, self.root, "--like", "as_lio")
         self.assertEqual(code, 2)
         self.assertIn("run that method first", err)
-        write_csv(self.root / "runs/a_1/as_lio/updates.csv", {"t_ns": [100 * MS, 200 * MS, 220 * MS, 240 * MS, 260 * MS, 280 * MS, 300 * MS]})
-        code, out, _ = printed(oracle.main, self.root, "--like", "as_lio")
+        write_csv(self.root / "runs/a_1/as_lio/updates.csv", {"t_ns": [1700000000 * 10**9 + k * MS for k in (100, 200, 220, 240, 260, 280, 300)]})
+        code, out, _ = printed(oracle.main, self.root, "--like", "as_lio", "--warmup", "0")
         self.assertEqual(code, 0)
         self.assertIn("shortest interval 20.0 ms", out)
+
+    def test_a_run_of_other_data_is_refused(self):
+        self.overlap([1.0] * 40, "data/a_1/overlap.csv")
+        for offset in (0, 1800000000 * 10**9):
+            write_csv(self.root / "runs/a_1/as_lio/updates.csv", {"t_ns": [offset + k * MS for k in (100, 200, 220, 240)]})
+            code, _, err = printed(oracle.main, self.root, "--like", "as_lio", "--warmup", "0")
+            self.assertEqual(code, 2)
+            self.assertIn("of other data", err)
 
     def test_what_has_no_overlap_is_told(self):
         code, _, err = printed(oracle.main, self.root)

@@ -74,6 +74,11 @@ class Segments:
             self.left = 1 if wanted <= 2 else wanted
 
 
+def kept(ends, warmup):
+    """The first of `ends` [ns], up to `warmup` [s] after the first of them: an adaptive window does not look at the overlap there."""
+    return [end for end in ends if end - ends[0] <= round(warmup * SECOND)]
+
+
 def quantiles(ends, least_gap=0.2):
     """Interval lengths of a run [ns], longest first, and the share of the time that is in intervals longer than each. A gap is none."""
     lengths = np.sort(np.diff(np.array(ends, dtype=np.int64)))[::-1]
@@ -82,17 +87,25 @@ def quantiles(ends, least_gap=0.2):
 
 
 def schedule_like(overlap, ends, options):
-    """(t_ns, window_begin_ns) of every update: lengths as between `ends` [ns], by the order of the true overlap over 50 ms."""
+    """(t_ns, window_begin_ns) of every update: the warm-up of `ends` [ns] as it is, then lengths as between the others, by the order of
+    the true overlap over 50 ms."""
     length, around = round(options.frame_length * SECOND), SECOND // 20
-    lengths, longer = quantiles(ends)
+    if ends[0] < overlap.begin - length or ends[-1] > overlap.end[-1] + SECOND:
+        raise FolderError("the run to be like is of other data: its updates are not within the time of overlap.csv")
+    warm = kept(ends, options.warmup)
+    lengths, longer = quantiles(ends[len(warm) - 1:])
     if len(lengths) == 0:
         raise FolderError("the run to be like has no two updates")
     ahead = round(options.ahead * SECOND)
     means = [overlap.mean(t + ahead - around, t + ahead) for t in overlap.end]
     known = np.array([1.0 if mean is None else mean for mean in means])
-    rank = np.empty(len(known))
-    rank[np.argsort(-known, kind="stable")] = np.arange(len(known)) / len(known)  # 0: most of the view is known
-    t, last, updates = int(overlap.begin), int(overlap.end[-1]), []
+    later = np.flatnonzero(overlap.end > warm[-1])
+    if len(later) == 0:
+        raise FolderError("the run to be like ends within its warm-up")
+    rank = np.ones(len(known))
+    rank[later[np.argsort(-known[later], kind="stable")]] = np.arange(len(later)) / len(later)  # 0: most of the view is known
+    updates = [(end, min(end - length, begin)) for begin, end in zip([warm[0] - length, *warm], warm)]
+    t, last = warm[-1], int(overlap.end[-1])
     while t < last:
         now = rank[min(len(rank) - 1, int(np.searchsorted(overlap.end, t, side="right")))]
         end = t + int(lengths[int(np.searchsorted(longer, now, side="right")) - 1])
@@ -159,7 +172,7 @@ def arguments(words):
     parser.add_argument("--n-least", type=int, default=2, help="n where all is known: 2, as in as_lio and the paper, is 10 Hz, and 4 is 20 Hz")
     parser.add_argument("--n-max", type=int, default=25)
     parser.add_argument("--shift-min", type=float, default=0.008, metavar="S")
-    parser.add_argument("--warmup", type=float, default=1.0, metavar="S", help="n is least until this long after the begin")
+    parser.add_argument("--warmup", type=float, default=1.0, metavar="S", help="n is least until this long after the begin; with --like, updates keep their place until this long after the first")
     parser.add_argument("--ahead", type=float, default=0.0, metavar="S", help="knows the overlap of this much later")
     parser.add_argument("--memory", type=float, default=0.02, metavar="S", help="what is younger than this counts as new")
     parser.add_argument("--no-echo", action="store_true")

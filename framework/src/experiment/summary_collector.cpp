@@ -57,8 +57,10 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
     if (last_accepted_ && plan.end - *last_accepted_ > kMostSilence && !silent_from_) silent_from_ = last_accepted_;
     last_accepted_ = plan.end;
   }
-  // A window that starts the map does so by the points that enter it.
-  if (record.update->accepted || (initialising && record.inserted.inserted > 0)) {
+  // A window that starts the map does so by the points that enter it, be it when they leave the window (`on_exit`).
+  const bool starts_map = initialising && (record.inserted.inserted > 0 ||
+                                           (record.update->insert && !record.update->points(Tap::map).empty()));
+  if (record.update->accepted || starts_map) {
     covered_ += plan.end - plan.fresh_begin;
   } else if (!initialising) {
     ++refused_[static_cast<std::size_t>(record.status)];

@@ -51,7 +51,9 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
     be_silent(begin, end);
     if (silence_ > max_silence_) {
       diverge(end, ever_accepted_,
-              fmt::format("the map is still empty after {:.2f} s: no point got through the samplers (range limits?)",
+              fmt::format("the map is still empty after {:.2f} s: no point got through the samplers (range limits?), "
+                          "or insertion 'on_exit' "
+                          "holds them in a window that is longer",
                           to_seconds(silence_)));
     }
     return;

@@ -300,6 +300,10 @@ TEST_CASE("soft overlap refuses parameters that contradict each other, naming th
   REQUIRE(refused("{type: soft_voxel, layers: 2.5}", "layers"));
   REQUIRE(refused("{type: soft_voxel, layers: 8}", "layers"));
   REQUIRE(refused("{type: soft_voxel, margin_m: 0.8}", "margin_m"));
+  REQUIRE(refused("{type: soft_voxel, voxel: 0.1, margin_m: 0.04}", "margin_m"));
+  REQUIRE_FALSE(refused("{type: soft_voxel, voxel: 0.1, margin_m: 0}", "margin_m"));
+  REQUIRE(refused("{type: soft_voxel, max_points: 40}", "max_points"));
+  REQUIRE_FALSE(refused("{type: soft_voxel, max_points: 40, min_points: 40}", "max_points"));
   REQUIRE(refused("{type: soft_voxel, beta_list: [0.5, 0.4, 0.3]}", "beta_list"));
   REQUIRE(refused("{type: soft_voxel, beta: list, beta_list: [0.5, 0.4]}", "beta_list"));
   REQUIRE(refused("{type: soft_voxel, beta: list, beta_list: [0.5, 0.6, 0.3]}", "beta_list"));

@@ -56,6 +56,21 @@ TEST_CASE("fixed: a frame longer than the period gives history") {
   CHECK(FixedWindow({}, environment.context()).reach() == 0);
 }
 
+TEST_CASE("fixed: a warm-up has an update every frame_length, until so long after the first insertion") {
+  FixedWindow::Params params;
+  params.period = 0.02;
+  params.frame_length = 0.1;
+  params.warmup = 0.3;
+  std::vector<TimedPoint> points;
+  test::add_points(points, 0, 600 * kMs, kMs);
+  const auto plans = run(params, stream_of(std::move(points)));
+  REQUIRE(plans.size() == 14);  // to 400 ms in four windows, to 600 ms in ten
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    CHECK(plans[i].end - plans[i].fresh_begin == (i < 4 ? 100 : 20) * kMs);
+    CHECK(plans[i].end - plans[i].history_begin == 100 * kMs);
+  }
+}
+
 TEST_CASE("fixed: few points do not lengthen a window") {
   std::vector<TimedPoint> points;
   test::add_points(points, 0, 400 * kMs, 40 * kMs);

@@ -118,19 +118,44 @@ TEST_CASE("replay: the yoked controls keep the number of updates and their pace"
     });
   };
   CHECK(count_fast("", 100, 300) == 10);
-  CHECK(count_fast(", shift: 0.6", 700, 900) == 10);
-  CHECK(count_fast(", shift: 0.6", 0, 700) == 0);
-  CHECK(count_fast(", order: shuffled", 0, 1500) == 10);
-  CHECK(count_fast(", order: shuffled", 100, 300) < 10);
-  CHECK(count_fast(", order: steady", 0, 1500) == 0);
-  CHECK(test::plans_of(replay(file, ", order: steady"), dense_stream(1500)).size() ==
+  CHECK(count_fast(", shift: 0.6, warmup: 0", 700, 900) == 10);
+  CHECK(count_fast(", shift: 0.6, warmup: 0", 0, 700) == 0);
+  CHECK(count_fast(", order: shuffled, warmup: 0", 0, 1500) == 10);
+  CHECK(count_fast(", order: shuffled, warmup: 0", 100, 300) < 10);
+  CHECK(count_fast(", order: steady, warmup: 0", 0, 1500) == 0);
+  CHECK(test::plans_of(replay(file, ", order: steady, warmup: 0"), dense_stream(1500)).size() ==
         test::plans_of(replay(file), dense_stream(1500)).size());
-  CHECK_THROWS_WITH(test::plans_of(replay(file, ", order: turn_rate"), dense_stream(1500)),
+  CHECK_THROWS_WITH(test::plans_of(replay(file, ", order: turn_rate, warmup: 0"), dense_stream(1500)),
                     Catch::Contains("plan.csv: gyro_rms_rad_s of the update"));
   CHECK_THROWS_WITH(test::plans_of(replay(file, ", order: steady, shift: 1"), dense_stream(1500)),
                     Catch::Contains("it does not go with order 'steady'"));
   CHECK(test::plans_of(replay(file, ", order: shuffled, seed: 2"), dense_stream(1500)).size() ==
         test::plans_of(replay(file), dense_stream(1500)).size());
+}
+
+TEST_CASE("replay: the warm-up keeps its place, whatever becomes of the rest") {  // eq. WIN-7
+  const test::TemporaryFolder folder;
+  std::string text = "t_ns\n";  // ten windows of 100 ms, ten of 20, then of 100 again
+  for (TimeNs t = 100, i = 0; t <= 2200; t += i++ / 10 == 1 ? 20 : 100) text += std::to_string(t * kMs) + '\n';
+  const auto file = folder.write("plan.csv", text);
+  const auto ends_of = [&](const std::string& more) {
+    std::vector<TimeNs> ends;
+    for (const auto& plan : test::plans_of(replay(file, more), dense_stream(2200))) ends.push_back(plan.end / kMs);
+    return ends;
+  };
+  const auto plain = ends_of("");
+  const std::vector<TimeNs> head(plain.begin(), plain.begin() + 11);  // 100 .. 1100: a second after the first
+  for (const std::string more : {", shift: 1.2", ", order: shuffled", ", order: steady"}) {
+    CAPTURE(more);
+    const auto ends = ends_of(more), cold = ends_of(more + ", warmup: 0");
+    CHECK(std::vector<TimeNs>(ends.begin(), ends.begin() + 11) == head);
+    CHECK(ends != plain);
+    CHECK(std::vector<TimeNs>(cold.begin(), cold.begin() + 11) != head);
+    CHECK(ends.back() == plain.back());
+    CHECK(ends.size() <= plain.size() + 1);
+    CHECK(ends.size() >= plain.size());
+  }
+  CHECK(ends_of(", shift: 0.6, warmup: 1000") == plain);
 }
 
 TEST_CASE("replay: a schedule of other data is refused") {
