@@ -66,19 +66,42 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
   b.require(p.min_points <= p.max_points, "min_points", "must not exceed max_points");
 }
 
-VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
+VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context, double phase)
+    : params_(params), offset_(kOffset + Vec3::Constant(phase)), exec_(context.exec) {}
 
 inline void VoxelPlane::find_address(const Vec3& p_W, Address& out) const {
-  const auto cell = cell_of(p_W + params_.voxel * kOffset, 1.0 / params_.voxel);
+  const auto cell = cell_of(p_W + params_.voxel * offset_, 1.0 / params_.voxel);
   out.known = cell.has_value();
   if (!cell) return;
   out.cell = *cell;
   out.key = pack(*cell);
+  out.p = (p_W - corner(*cell)).cast<float>();
   index_.prefetch(out.key);
 }
 
+/// The number of a coarsest voxel, or kNone; starts to load it.
+inline std::uint32_t VoxelPlane::fetch_root(const Address& address) const {
+  const std::uint32_t root = address.known ? index_.find(address.key) : kNone;
+  if (root == kNone) return root;
+  const Root& found = roots_[root];
+  __builtin_prefetch(&found);
+  __builtin_prefetch(&found.node.longest);
+  return root;
+}
+
+/// Starts to load what is below a coarsest voxel at p, where that is no plane.
+inline void VoxelPlane::fetch_below(std::uint32_t root, const Eigen::Vector3f& p) const {
+  if (root == kNone) return;
+  const Node& node = roots_[root].node;
+  if (node.planar || node.children == kNone) return;
+  Eigen::Vector3f low = Eigen::Vector3f::Zero();
+  const Node& below = nodes_[node.children + descend(p, 0.5F * static_cast<float>(params_.voxel), low)];
+  __builtin_prefetch(&below);
+  __builtin_prefetch(&below.longest);
+}
+
 Vec3 VoxelPlane::corner(const VoxelCell& cell) const {
-  return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - kOffset);
+  return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - offset_);
 }
 
 void VoxelPlane::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
@@ -86,29 +109,30 @@ void VoxelPlane::correspond(std::span<const Vec3> queries, const MapQuery& query
   std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
 }
 
-void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
-  exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out,
+                          Share share) const {
+  const std::size_t own = share.size(queries.size());
+  exec_.for_ranges(own, kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     std::array<Address, kBatch> addresses;
     std::array<std::uint32_t, kBatch> roots{};
     for (std::size_t first = begin; first < end; first += kBatch) {
       const std::size_t count = std::min(kBatch, end - first);
-      for (std::size_t i = 0; i < count; ++i) find_address(queries[first + i], addresses[i]);
+      const auto place = [&](std::size_t i) { return share.place(first + i); };
+      for (std::size_t i = 0; i < count; ++i) find_address(queries[place(i)], addresses[i]);
+      for (std::size_t i = 0; i < count; ++i) roots[i] = fetch_root(addresses[i]);
+      for (std::size_t i = 0; i < count; ++i) fetch_below(roots[i], addresses[i].p);
       for (std::size_t i = 0; i < count; ++i) {
-        roots[i] = addresses[i].known ? index_.find(addresses[i].key) : kNone;
-        if (roots[i] != kNone) __builtin_prefetch(&roots_[roots[i]].node);
-      }
-      for (std::size_t i = 0; i < count; ++i) {
-        out[first + i] = surface(queries[first + i], roots[i], query);
+        out[place(i)] = surface(queries[place(i)], addresses[i].p, roots[i], query);
       }
     }
   });
 }
 
-Surface VoxelPlane::surface(const Vec3& query, std::uint32_t first, const MapQuery& how) const {
+/// What `query`, at p in its voxel, meets there.
+Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first,
+                            const MapQuery& how) const {
   if (first == kNone) return {};
   const Root& root = roots_[first];
-  const Vec3 origin = corner(root.cell);
-  const Eigen::Vector3f p = (query - origin).cast<float>();
   const Node* node = nullptr;
   if (params_.faces && how.viewpoint) {
     node = facing(root, p, (query - *how.viewpoint).cast<float>().normalized(), how.max_stamp);
@@ -119,7 +143,7 @@ Surface VoxelPlane::surface(const Vec3& query, std::uint32_t first, const MapQue
   if (node == nullptr) return {};
   Surface found;
   found.normal = node->normal.cast<double>().normalized();
-  found.anchor = origin + node->mean.cast<double>();
+  found.anchor = corner(root.cell) + node->mean.cast<double>();
   found.quality = quality(*node, p);
   found.valid = true;
   found.owner = node;
@@ -156,24 +180,23 @@ const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vecto
 
 InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
   InsertCount count{points.size(), 0};
-  VoxelCell last;
-  std::uint32_t root = kNone;
   std::array<Address, kBatch> addresses;
+  std::array<std::uint32_t, kBatch> roots{};
   for (std::size_t first = 0; first < points.size(); first += kBatch) {
     const auto batch = points.subspan(first, std::min(kBatch, points.size() - first));
     for (std::size_t i = 0; i < batch.size(); ++i) find_address(batch[i].p_W, addresses[i]);
+    for (std::size_t i = 0; i < batch.size(); ++i) roots[i] = fetch_root(addresses[i]);
+    for (std::size_t i = 0; i < batch.size(); ++i) fetch_below(roots[i], addresses[i].p);
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      const VoxelCell& cell = addresses[i].cell;
       if (!addresses[i].known) continue;
-      if (root == kNone || cell != last) {
-        root = root_at(addresses[i]);
-        last = cell;
-      }
-      const Eigen::Vector3f p = (batch[i].p_W - corner(cell)).cast<float>();
+      const std::uint32_t root = roots[i] != kNone ? roots[i] : root_at(addresses[i]);
+      const Eigen::Vector3f toward = params_.faces ? batch[i].view.toward() : Eigen::Vector3f::Zero();
+      const Eigen::Vector3f& p = addresses[i].p;
+      if (settled(roots_[root], p, toward)) continue;
       ViewSteps view{};
       std::uint32_t part = root;
       if (params_.faces) {
-        const Eigen::Vector3f direction = batch[i].view.vector();
+        const Eigen::Vector3f direction = toward.normalized();
         part = part_for(root, p, direction);
         for (int axis = 0; axis < 3; ++axis)
           view[static_cast<std::size_t>(axis)] = static_cast<std::int16_t>(kViewSteps * direction[axis]);
@@ -188,6 +211,23 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
     if (touched.node == kNone && roots_[touched.root].other != kNone) unite(touched.root);
   touched_.clear();
   return count;
+}
+
+/// Whether p, seen `toward` somewhere (of any length), changes nothing of a voxel whose first part is `first`: it
+/// belongs to that, and all that it would be added to is closed.
+bool VoxelPlane::settled(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& toward) const {
+  const Node* node = &first.node;
+  Eigen::Vector3f low = Eigen::Vector3f::Zero();
+  auto half = static_cast<float>(params_.voxel);
+  for (std::int64_t level = 1; closed(*node); ++level) {
+    // A margin for rounding: what part_for() asks a unit vector must have the same answer.
+    if (node->planar) return !params_.faces || !node->sided || toward.dot(node->normal) < -1e-3F;
+    if (level == params_.levels) return !params_.faces || toward.dot(sum_of(first.node.view)) > 16;
+    if (node->children == kNone) return false;
+    half *= 0.5F;
+    node = &nodes_[node->children + descend(p, half, low)];
+  }
+  return false;
 }
 
 std::uint32_t VoxelPlane::root_at(const Address& address) {

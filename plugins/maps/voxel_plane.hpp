@@ -41,13 +41,25 @@ class VoxelPlane final : public Map {
     double radius = 150.0;
     bool faces = true;
   };
+  /// Every `step`-th of some queries, from the one at `first` on.
+  struct Share {
+    std::size_t first = 0, step = 1;
+    /// How many of `all` queries are in it, and the place of the i-th of those among all.
+    std::size_t size(std::size_t all) const { return all > first ? (all - first - 1) / step + 1 : 0; }
+    std::size_t place(std::size_t i) const { return first + i * step; }
+  };
   static void describe(config::Binder& b, Params& p);
-  VoxelPlane(const Params& params, const BuildContext& context);
+  /// `phase`: how far the grid is moved along its diagonal, in voxels.
+  VoxelPlane(const Params& params, const BuildContext& context, double phase = 0);
 
   MapContent content() const override { return MapContent::surfaces; }
   void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override;
-  /// A plane counts as inserted when its voxel became one.
-  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override;
+  /// With max_stamp: a plane counts from the update at which its voxel became one.
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override {
+    surfaces(queries, query, out, {});
+  }
+  /// Those of a share of the queries; the rest of `out` stays as it is.
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out, Share share) const;
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
   void trim(const Vec3& centre_W) override;
   void clear() override;
@@ -91,13 +103,17 @@ class VoxelPlane final : public Map {
   struct Address {
     std::uint64_t key = 0;
     VoxelCell cell;
-    bool known = false;  ///< finite, and within the range of cells
+    bool known = false;   ///< finite, and within the range of cells
+    Eigen::Vector3f p{};  ///< from the corner of the voxel [m]
   };
 
   /// Into its place: returned in registers, what was just written would be waited for.
   void find_address(const Vec3& p_W, Address& out) const;
   Vec3 corner(const VoxelCell& cell) const;
+  std::uint32_t fetch_root(const Address& address) const;
+  void fetch_below(std::uint32_t root, const Eigen::Vector3f& p) const;
   std::uint32_t root_at(const Address& address);
+  bool settled(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& toward) const;
   std::uint32_t take_root(const VoxelCell& cell);
   std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view);
   void unite(std::uint32_t first);
@@ -110,12 +126,13 @@ class VoxelPlane final : public Map {
   bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
   double quality(const Node& node, const Eigen::Vector3f& p) const;
   void drop(std::uint32_t first);
-  Surface surface(const Vec3& query, std::uint32_t first, const MapQuery& how) const;
+  Surface surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first, const MapQuery& how) const;
   const Node* plane_at(const Root& root, const Eigen::Vector3f& p, std::uint32_t max_stamp) const;
   const Node* facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
                      std::uint32_t max_stamp) const;
 
   Params params_;
+  Vec3 offset_;  ///< of the grid against the origin, in voxels
   exec::Executor& exec_;
   CellIndex index_;
   Chunked<Root, 10> roots_;

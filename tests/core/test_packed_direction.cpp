@@ -17,6 +17,9 @@ TEST_CASE("a packed direction is within 1 deg of what it was made from, of any l
     const Vector3f unit = PackedDirection((i % 2 == 0 ? 1e-3F : 1e3F) * v).vector();
     REQUIRE(std::abs(unit.norm() - 1) < 1e-6F);
     worst = std::max(worst, static_cast<double>((unit - v.normalized()).norm()));
+    const Vector3f toward = PackedDirection(v).toward();
+    REQUIRE((toward.norm() > 70 && toward.norm() <= 127));
+    REQUIRE(toward.normalized() == PackedDirection(v).vector());
   }
   CHECK(worst < M_PI / 180);
   CHECK(worst > 0.002);  // it is packed
@@ -37,6 +40,7 @@ TEST_CASE("no direction stays none") {
   for (const Vector3f& v : {Vector3f(0, 0, 0), Vector3f(nan, 1, 0), Vector3f(inf, 0, 0)}) {
     CHECK(PackedDirection(v).none());
     CHECK(PackedDirection(v).vector() == Vector3f::Zero());
+    CHECK(PackedDirection(v).toward() == Vector3f::Zero());
   }
   CHECK(PackedDirection().none());
   CHECK_FALSE(PackedDirection(Vector3f(-1, 0, 0)).none());

@@ -262,3 +262,47 @@ TEST_CASE("voxel_plane: no plane is of both faces of a wall, or met from behind,
     CHECK(map->size() == 0);
   }
 }
+
+TEST_CASE("voxel_plane: a closed plane takes no further point of its own side, but those of the other face") {
+  EveryMap fixture;
+  const auto map = fixture.make("{type: voxel_plane, voxel: 1, max_points: 100}");
+  Uniform uniform(6);
+  const auto seen = [&](double height, const Vec3& direction, int count) {
+    std::vector<WorldPoint> points;
+    for (int i = 0; i < count; ++i) {
+      points.push_back(at({uniform(0.0, 0.6), uniform(0.0, 0.6), height}));
+      points.back().view = PackedDirection(direction.cast<float>());
+    }
+    return points;
+  };
+  const Vec3 down(0.1, 0.2, -1), up(0.1, 0.2, 1);
+  CHECK(map->insert(seen(0.10, down, 100), 1).inserted == 100);
+  CHECK(map->insert(seen(0.10, down, 50), 2).inserted == 0);
+  CHECK(map->insert(seen(0.04, up, 50), 3).inserted == 50);
+  CHECK(map->insert(seen(0.10, down, 50), 4).inserted == 0);
+}
+
+TEST_CASE("voxel_plane: a closed voxel that is no plane goes on until its parts are closed, and has another face") {
+  EveryMap fixture;
+  const auto map = fixture.make("{type: voxel_plane, voxel: 1, levels: 2, max_points: 100}");
+  Uniform uniform(7);
+  // Two steps of a stair in one voxel, seen from above; each in a voxel of 0.5 m of its own.
+  const Vec3 low = Vec3(1, 1, 1) - Vec3(0.137, 0.223, 0.311);
+  const auto stair = [&](double below, const Vec3& direction, int count) {
+    std::vector<WorldPoint> points;
+    for (int i = 0; i < count; ++i) {
+      const double step = i % 2 == 0 ? 0.2 : 0.7;
+      points.push_back(at(low + Vec3(uniform(0.01, 0.49), uniform(0.01, 0.49), step - below)));
+      points.back().view = PackedDirection(direction.cast<float>());
+    }
+    return points;
+  };
+  const Vec3 down(0.1, 0.2, -1), up(0.1, 0.2, 1);
+  CHECK(map->insert(stair(0, down, 100), 1).inserted == 100);
+  CHECK(map->insert(stair(0, down, 100), 2).inserted == 100);  // into both parts
+  CHECK(map->insert(stair(0, down, 100), 3).inserted == 100);  // which hold what came after the first fit
+  CHECK(map->insert(stair(0, down, 100), 4).inserted == 0);
+  CHECK(map->size() == 1);
+  CHECK(map->insert(stair(0.1, up, 50), 5).inserted == 50);
+  CHECK(map->size() == 2);
+}
