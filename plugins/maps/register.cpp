@@ -2,6 +2,7 @@
 #include "maps/feature_maps.hpp"
 #include "maps/ikd_tree.hpp"
 #include "maps/ivox.hpp"
+#include "maps/staggered_planes.hpp"
 #include "maps/voxel_hash.hpp"
 #include "maps/voxel_plane.hpp"
 
@@ -10,6 +11,8 @@ namespace aslio::plugins {
 void register_maps(plugin::Registry<Map>& registry);
 
 void register_maps(plugin::Registry<Map>& registry) {
+  registry.add<StaggeredPlanes>("staggered_planes",
+                                "Planes of all points in several pyramids of voxels, staggered against each other.");
   registry.add<VoxelPlane>("voxel_plane", "Planes of all points in a pyramid of voxels (VoxelMap).");
   registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
   registry.add<IkdTree>("ikd_tree", "Exact neighbours from an incremental k-d tree, thinned to one point per cell.");

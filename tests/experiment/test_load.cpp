@@ -217,7 +217,7 @@ TEST_CASE("stages that do not fit each other, or a schedule that is not there, a
   };
   const std::vector<Case> cases = {
       {"map: {type: ikd_tree}", {"--set map={type: ikd_tree}: map: 'ikd_tree' holds points", "planes to 'neighbours'"}},
-      {"estimator.residual.planes: neighbours", {"as_lio.yaml:", "map: 'voxel_plane' holds surfaces"}},
+      {"estimator.residual.planes: neighbours", {"as_lio.yaml:", "map: 'staggered_planes' holds surfaces"}},
       {"insertion: cell_nearest", {"--set insertion=cell_nearest: insertion: 'cell_nearest'", "on_exit"}},
       {"window: {type: replay, file: gone.csv}", {"window: gone.csv: cannot open the schedule"}}};
   for (const Case& wrong : cases) {

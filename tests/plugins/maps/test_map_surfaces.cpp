@@ -61,7 +61,7 @@ TEST_CASE("every map of surfaces: planes are found where they are, near and far 
           REQUIRE(std::abs(found[i].normal.norm() - 1.0) < 1e-9);
           REQUIRE(found[i].quality > 0.0);
           REQUIRE(found[i].quality <= 1.0);
-          if (type.find("voxel_plane") != std::string::npos) REQUIRE(found[i].owner != nullptr);
+          if (type.find("_plane") != std::string::npos) REQUIRE(found[i].owner != nullptr);
           // Who is told to share a surface does: and all who share one are told, if any is.
           for (std::size_t j = 0; j < i; ++j) {
             if (!found[j].valid || (found[i].owner == nullptr && found[j].owner == nullptr)) continue;
