@@ -77,7 +77,7 @@ void Ieskf::propagate(const Window& window) {
       turned.middleCols<kStateDim - block::b_w>(block::b_w) +=
           F.block<3, kStateDim - block::b_w>(block::theta, block::b_w);
     }
-    const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, left_open_);
+    const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, {left_open_, window.imu_gap});
     motion_->propagate_covariance(state, from, to, noise, P_);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
     const MotionSegment segment = motion_->step(state, from, to);

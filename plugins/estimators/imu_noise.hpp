@@ -16,10 +16,19 @@ struct ImuNoisePreset {
   /// After an update that left a direction open: least density of the accelerometer [m/s^2/sqrt(Hz)] (MOT-7).
   double degenerate_acc_noise = 0;
 
-  /// Variances per sample over the interval from `from` to `to`; `b_w` is the gyro's bias [rad/s], `degenerate` whether
-  /// the last update left a direction open.
+  /// What an interval is predicted from.
+  struct Circumstances {
+    bool degenerate = false;  ///< the last update left a direction open
+    TimeNs imu_gap = 0;       ///< of the window: Window::imu_gap [ns]
+  };
+
+  /// Variances per sample over the interval from `from` to `to`; `b_w` is the gyro's bias [rad/s].
   ImuNoise over(const ImuSample& from, const ImuSample& to, const SensorModel& sensor, const Vec3& b_w,
-                bool degenerate) const;
+                const Circumstances& how) const;
+
+ private:
+  ImuNoise of_readings(const ImuSample& from, const ImuSample& to, const SensorModel& sensor, const Vec3& b_w,
+                       bool degenerate) const;
 };
 
 }  // namespace aslio::plugins

@@ -20,9 +20,10 @@ NavState ImuTrack::predict(const NavState& from, std::span<const ImuSample> imu)
 NavState ImuTrack::propagate(const NavState& from, const Window& window, WindowTrajectory* path) {
   const StateMatrix before = P_;
   NavState state = from;
+  const ImuNoisePreset::Circumstances how{false, window.imu_gap};
   for (std::size_t i = 1; i < window.imu.size(); ++i) {
     const ImuSample &begin = window.imu[i - 1], &end = window.imu[i];
-    motion_->propagate_covariance(state, begin, end, params_.noise.over(begin, end, sensor_, from.b_w, false), P_);
+    motion_->propagate_covariance(state, begin, end, params_.noise.over(begin, end, sensor_, from.b_w, how), P_);
     const MotionSegment segment = motion_->step(state, begin, end);
     if (path != nullptr) path->append(segment, state);
   }

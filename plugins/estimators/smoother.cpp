@@ -87,7 +87,7 @@ void Smoother::linearise(std::size_t i, SliceEquations& out) const {
     const ImuSample &from = slice.imu[s - 1], &to = slice.imu[s];
     motion_->linearise(state, from, to, F, G);
     out.F = (F * out.F).eval();
-    motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.left_open),
+    motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.noise_of),
                                   out.Q);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), out.Q);
     motion_->step(state, from, to);

@@ -51,8 +51,8 @@ class Smoother final : public Estimator, private PointRevision {
 
  private:
   struct Slice {
-    std::vector<ImuSample> imu;           ///< that cover it, the first at its begin and the last at its end
-    bool left_open = false;               ///< the update before it left a direction open
+    std::vector<ImuSample> imu;  ///< that cover it, the first at its begin and the last at its end
+    ImuNoisePreset::Circumstances noise_of;
     NavState state;                       ///< at its end: the iterate
     NavState filtered;                    ///< at its end, from this slice and those before it
     StateMatrix P = StateMatrix::Zero();  ///< of `filtered`

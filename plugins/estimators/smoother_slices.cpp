@@ -53,7 +53,7 @@ Smoother::Slice& Smoother::add_slice() {
   slice.points.range.clear();
   slice.times.clear();
   slice.sums = {};
-  slice.left_open = left_open_;
+  slice.noise_of = {left_open_, 0};
   return slice;
 }
 
@@ -65,6 +65,7 @@ void Smoother::cut(const Window& window) {
   std::size_t next = 0;
   for (const TimeNs end : ends) {
     Slice& slice = add_slice();
+    slice.noise_of.imu_gap = window.imu_gap;
     if (next > 0) slice.imu.push_back(slices_[slices_.size() - 2]->imu.back());
     while (next < window.imu.size() && window.imu[next].t <= end) slice.imu.push_back(window.imu[next++]);
     if (next > 0 && next < window.imu.size() && slice.imu.back().t < end) {
@@ -135,7 +136,7 @@ void Smoother::predict_covariance() {
     NavState state = s == fresh_ ? state_ : slices_[s - 1]->state;
     for (std::size_t i = 1; i < slice.imu.size(); ++i) {
       const ImuSample &from = slice.imu[i - 1], &to = slice.imu[i];
-      motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.left_open),
+      motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.noise_of),
                                     P_);
       walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
       motion_->step(state, from, to);

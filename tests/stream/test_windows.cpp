@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
 
@@ -107,4 +108,64 @@ TEST_CASE("release keeps the IMU sample from which the next window interpolates"
   CHECK_FALSE(window.imu_extrapolated);
   CHECK(window.imu_read_at_end);
   CHECK_FALSE(stream.cut(plan_between(kEpoch + 6000, kEpoch + 7500), 3).imu_read_at_end);
+}
+
+TEST_CASE("a window that reaches into a gap of the IMU knows how long that is, one beside it does not") {
+  MeasurementStream stream;
+  for (int i = 0; i < 40; ++i)
+    if (i <= 20 || i >= 30) stream.push(imu(kEpoch + i * 1000, i));
+  stream.push(regular_packet(0, kEpoch, 100, 600));
+  const auto gap_of = [&](TimeNs begin, TimeNs end) {
+    return stream.cut(plan_between(kEpoch + begin, kEpoch + end), 1).imu_gap;
+  };
+  CHECK(gap_of(17500, 19500) == 0);
+  CHECK(gap_of(19500, 20000) == 0);      // up to its begin
+  CHECK(gap_of(19500, 20100) == 10000);  // into it, inside it, over it, out of it
+  CHECK(gap_of(21000, 23000) == 10000);
+  CHECK(gap_of(19500, 31000) == 10000);
+  CHECK(gap_of(29000, 31000) == 10000);
+  CHECK(gap_of(30000, 33000) == 0);
+  CHECK(gap_of(37500, 39500) == 0);     // half a period after the last reading
+  CHECK(gap_of(37500, 45000) == 6000);  // and long after it
+  CHECK(gap_of(50000, 51000) == 12000);
+}
+
+TEST_CASE("gaps of the IMU: before the first reading, after a release, of one reading and of none") {
+  MeasurementStream none, one, many;
+  for (MeasurementStream* stream : {&none, &one, &many}) stream->push(regular_packet(0, kEpoch, 100, 600));
+  one.push(imu(kEpoch + 1000));
+  for (int i = 10; i < 40; ++i)
+    if (i <= 20 || i >= 30) many.push(imu(kEpoch + i * 1000, i));
+  const auto gap_of = [&](MeasurementStream& stream, TimeNs begin, TimeNs end) {
+    return stream.cut(plan_between(kEpoch + begin, kEpoch + end), 1).imu_gap;
+  };
+  CHECK(gap_of(none, 0, 5000) == 0);    // which then has no samples at all
+  CHECK(gap_of(one, 500, 50000) == 0);  // what is usual is not known
+  CHECK(gap_of(many, 2000, 15000) == 8000);
+  many.release(kEpoch + 22000);
+  CHECK(gap_of(many, 22000, 29000) == 10000);  // the reading before it is still there
+}
+
+TEST_CASE("whether a step of the IMU is a gap is in the data, not in what has arrived besides") {
+  // A step of 5.2 ms among steps of 1 ms, and, later, steps of 2 ms.
+  std::vector<TimeNs> times;
+  for (TimeNs t = 0; t < 60'000; t += t == 30'000 ? 5200 : 1000) times.push_back(t);
+  for (TimeNs t = 60'000; t < 300'000; t += 2000) times.push_back(t);
+  const auto gaps = [&](std::size_t ahead) {
+    MeasurementStream stream;
+    stream.push(regular_packet(0, kEpoch, 100, 2900));
+    std::vector<TimeNs> out;
+    std::size_t next = 0;
+    for (TimeNs end = 5000; end <= 55'000; end += 5000) {
+      // As windows are cut: once a reading at their end or after it has arrived.
+      for (; next < times.size() && (next < ahead || next == 0 || times[next - 1] < end); ++next) {
+        stream.push(imu(kEpoch + times[next]));
+      }
+      out.push_back(stream.cut(plan_between(kEpoch + end - 5000, kEpoch + end), 1).imu_gap);
+    }
+    return out;
+  };
+  const auto late = gaps(0);
+  CHECK(std::count(late.begin(), late.end(), 5200) == 2);
+  CHECK(gaps(times.size()) == late);
 }

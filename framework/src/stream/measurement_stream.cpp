@@ -149,6 +149,26 @@ std::optional<TimeNs> MeasurementStream::imu_silent_after(TimeNs begin, TimeNs e
   return std::nullopt;
 }
 
+TimeNs MeasurementStream::longest_imu_step(TimeNs begin, TimeNs end) const {
+  const std::span<const ImuSample> samples = imu_.all();
+  TimeNs longest = 0, last = begin;
+  const std::size_t until_begin = imu_.count_until(begin);
+  for (std::size_t i = until_begin > 0 ? until_begin - 1 : 0; i < samples.size() && last < end; ++i) {
+    if (i >= until_begin) longest = std::max(longest, samples[i].t - last);
+    last = samples[i].t;
+  }
+  return std::max(longest, end - last);
+}
+
+void MeasurementStream::learn_cut_steps(TimeNs end) {
+  const std::span<const ImuSample> samples = imu_.all();
+  const std::size_t until = imu_.count_until(end);
+  for (std::size_t i = last_cut_step_ ? imu_.count_until(*last_cut_step_) : 0; i < until; ++i) {
+    if (last_cut_step_) cut_steps_.add(samples[i].t - *last_cut_step_);
+    last_cut_step_ = samples[i].t;
+  }
+}
+
 Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
   Window window;
   window.plan = plan;
@@ -159,6 +179,10 @@ Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
   const std::size_t until = imu_.count_until(plan.end);
   window.imu_read_at_end = until > 0 && imu_.all()[until - 1].t == plan.end;
   window.imu_extrapolated = !covered;
+  const TimeNs step = longest_imu_step(plan.fresh_begin, plan.end);
+  learn_cut_steps(plan.end);
+  const TimeNs usual = cut_steps_.median();
+  window.imu_gap = usual > 0 && step > kGapPeriods * usual ? step : 0;
   last_cut_ = std::max(last_cut_, plan.end);
   return window;
 }

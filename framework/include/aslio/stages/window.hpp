@@ -104,7 +104,8 @@ struct Window {
   /// consecutive pairs are the integration intervals. At least 2; fewer only when there is no IMU data at all.
   std::span<const ImuSample> imu;
   bool imu_read_at_end = false;   ///< the last of `imu` is a reading, not what was interpolated between two
-  bool imu_extrapolated = false;  ///< a gap or the end of IMU data was bridged by holding the last sample
+  bool imu_extrapolated = false;  ///< the nearest sample had to be held at an end, or a gap lies inside
+  TimeNs imu_gap = 0;  ///< longest time between readings that it reaches into, when that is a gap [ns]; otherwise 0
 };
 
 }  // namespace aslio

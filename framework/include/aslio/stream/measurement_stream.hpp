@@ -103,6 +103,9 @@ class MeasurementStream final : public StreamView {
 
   bool seen_before(const PacketKey& key);
   void note_sweeps(std::span<const TimedPoint> points);
+  /// Between readings, of a time span and what lies around it [ns]; from or to its end where there are none.
+  TimeNs longest_imu_step(TimeNs begin, TimeNs end) const;
+  void learn_cut_steps(TimeNs end);
   ImuSample imu_at(std::size_t after, TimeNs t, bool& held) const;
   bool imu_gap(TimeNs step) const;
   /// Nothing at or before this time is taken any more.
@@ -116,7 +119,9 @@ class MeasurementStream final : public StreamView {
   std::size_t recent_count_ = 0;
   PacketSorter sorter_;
   JumpGuard packet_guard_{"LiDAR"}, imu_guard_{"IMU"};
-  StepMedian imu_steps_;
+  StepMedian imu_steps_;                 ///< of what has arrived
+  StepMedian cut_steps_;                 ///< of the readings up to the last cut, in time order: however they arrive
+  std::optional<TimeNs> last_cut_step_;  ///< the last of them
   std::optional<TimeNs> first_point_, first_imu_;
   TimeNs last_point_ = kTimeMin, last_imu_ = kTimeMin;
   TimeNs released_ = kTimeMin, last_cut_ = kTimeMin;
