@@ -179,6 +179,13 @@ void Frame::list_matches() {
   }
 }
 
+void Frame::begin_world() {
+  for (auto& list : world_) list.clear();
+  alike_ = std::all_of(taps_.begin(), taps_.end(), [](TapMask taps) {
+    return ((taps & mask(Tap::overlap)) != 0) == ((taps & mask(Tap::map)) != 0);
+  });
+}
+
 /// The i-th kept point, at p_W and seen from viewpoint_W, to the lists of its taps.
 void Frame::list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W) {
   if (taps_[i] == 0) return;
@@ -192,14 +199,15 @@ void Frame::list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W) 
                          static_cast<std::uint8_t>(features_[i] & ~feature_class::clearest),
                          PackedDirection((p_W - viewpoint_W).cast<float>())};
   for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
-    if ((taps_[i] & mask(tap)) != 0) world_[slot(tap)].push_back(point);
+    if ((taps_[i] & mask(tap)) == 0 || (alike_ && tap == Tap::overlap)) continue;
+    world_[slot(tap)].push_back(point);
   }
 }
 
 void Frame::place(const WindowTrajectory& trajectory) {
   const Pose& end = trajectory.corrected_end();
   const Vec3 seen_from = viewpoint(end);
-  for (auto& list : world_) list.clear();
+  begin_world();
   trajectory.to_end(
       raw_.size(), [&](std::size_t i) -> Vec3 { return body_[i].cast<double>(); },
       [&](std::size_t i) { return raw_[i].t; },
@@ -207,7 +215,7 @@ void Frame::place(const WindowTrajectory& trajectory) {
 }
 
 void Frame::place_along(const TrajectoryModel& trajectory) {
-  for (auto& list : world_) list.clear();
+  begin_world();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     if (taps_[i] == 0) continue;
     const Pose T = trajectory.pose(raw_[i].t);

@@ -44,13 +44,16 @@ class Frame {
   std::span<const TimeNs> match_time() const { return match_time_; }
   /// As the samplers have marked them (SampleBatch::features).
   std::span<const std::uint8_t> match_feature() const { return match_feature_; }
-  std::span<const WorldPoint> world(Tap tap) const { return world_[slot(tap)]; }
+  std::span<const WorldPoint> world(Tap tap) const {
+    return world_[slot(alike_ && tap == Tap::overlap ? Tap::map : tap)];
+  }
 
  private:
   static constexpr std::size_t slot(Tap tap) { return tap == Tap::overlap ? 0 : tap == Tap::map ? 1 : 2; }
 
   void reserve(std::size_t points);
   void list_matches();
+  void begin_world();
   void list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W);
 
   Pose T_imu_lidar_;
@@ -66,6 +69,7 @@ class Frame {
   std::vector<TimeNs> match_time_;
   std::vector<std::uint8_t> match_feature_;
   std::array<std::vector<WorldPoint>, 3> world_;
+  bool alike_ = false;  ///< every point of the overlap tap is one of the map tap and the other way round: one list
 };
 
 }  // namespace aslio::plugins

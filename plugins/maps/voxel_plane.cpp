@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kQueriesPerChunk = 256;
 /// Points whose voxels are fetched at once: looking for one after the other is waiting for memory.
-constexpr std::size_t kBatch = 32;
+constexpr std::size_t kBatch = CellBatch::kSize;
 constexpr std::uint32_t kNone = CellIndex::kNone;
 /// Of the variances along the two directions of a plane: a line spans none.
 constexpr double kLeastSpread = 0.05;
@@ -69,19 +69,9 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context, double phase)
     : params_(params), offset_(kOffset + Vec3::Constant(phase)), exec_(context.exec) {}
 
-inline void VoxelPlane::find_address(const Vec3& p_W, Address& out) const {
-  const auto cell = cell_of(p_W + params_.voxel * offset_, 1.0 / params_.voxel);
-  out.known = cell.has_value();
-  if (!cell) return;
-  out.cell = *cell;
-  out.key = pack(*cell);
-  out.p = (p_W - corner(*cell)).cast<float>();
-  index_.prefetch(out.key);
-}
-
 /// The number of a coarsest voxel, or kNone; starts to load it.
-inline std::uint32_t VoxelPlane::fetch_root(const Address& address) const {
-  const std::uint32_t root = address.known ? index_.find(address.key) : kNone;
+inline std::uint32_t VoxelPlane::fetch_root(std::uint64_t key) const {
+  const std::uint32_t root = key != CellBatch::kNoCell ? index_.find(key) : kNone;
   if (root == kNone) return root;
   const Root& found = roots_[root];
   __builtin_prefetch(&found);
@@ -100,6 +90,16 @@ inline void VoxelPlane::fetch_below(std::uint32_t root, const Eigen::Vector3f& p
   __builtin_prefetch(&below.longest);
 }
 
+/// Finds and starts to load the voxels of some points.
+template <class PointOf>
+inline void VoxelPlane::fetch(std::size_t count, const PointOf& point, CellBatch& cells,
+                              std::array<std::uint32_t, CellBatch::kSize>& roots) const {
+  cells.find(count, point, params_.voxel, offset_);
+  for (std::size_t i = 0; i < count; ++i) index_.prefetch(cells.key(i));
+  for (std::size_t i = 0; i < count; ++i) roots[i] = fetch_root(cells.key(i));
+  for (std::size_t i = 0; i < count; ++i) fetch_below(roots[i], cells.inside(i));
+}
+
 Vec3 VoxelPlane::corner(const VoxelCell& cell) const {
   return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - offset_);
 }
@@ -113,17 +113,14 @@ void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, 
                           Share share) const {
   const std::size_t own = share.size(queries.size());
   exec_.for_ranges(own, kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
-    std::array<Address, kBatch> addresses;
+    CellBatch cells;
     std::array<std::uint32_t, kBatch> roots{};
     for (std::size_t first = begin; first < end; first += kBatch) {
       const std::size_t count = std::min(kBatch, end - first);
       const auto place = [&](std::size_t i) { return share.place(first + i); };
-      for (std::size_t i = 0; i < count; ++i) find_address(queries[place(i)], addresses[i]);
-      for (std::size_t i = 0; i < count; ++i) roots[i] = fetch_root(addresses[i]);
-      for (std::size_t i = 0; i < count; ++i) fetch_below(roots[i], addresses[i].p);
-      for (std::size_t i = 0; i < count; ++i) {
-        out[place(i)] = surface(queries[place(i)], addresses[i].p, roots[i], query);
-      }
+      const auto point = [&](std::size_t i) -> const Vec3& { return queries[place(i)]; };
+      fetch(count, point, cells, roots);
+      for (std::size_t i = 0; i < count; ++i) out[place(i)] = surface(point(i), cells.inside(i), roots[i], query);
     }
   });
 }
@@ -180,18 +177,17 @@ const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vecto
 
 InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
   InsertCount count{points.size(), 0};
-  std::array<Address, kBatch> addresses;
+  CellBatch cells;
   std::array<std::uint32_t, kBatch> roots{};
   for (std::size_t first = 0; first < points.size(); first += kBatch) {
     const auto batch = points.subspan(first, std::min(kBatch, points.size() - first));
-    for (std::size_t i = 0; i < batch.size(); ++i) find_address(batch[i].p_W, addresses[i]);
-    for (std::size_t i = 0; i < batch.size(); ++i) roots[i] = fetch_root(addresses[i]);
-    for (std::size_t i = 0; i < batch.size(); ++i) fetch_below(roots[i], addresses[i].p);
+    fetch(
+        batch.size(), [&](std::size_t i) -> const Vec3& { return batch[i].p_W; }, cells, roots);
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!addresses[i].known) continue;
-      const std::uint32_t root = roots[i] != kNone ? roots[i] : root_at(addresses[i]);
+      if (cells.key(i) == CellBatch::kNoCell) continue;
+      const std::uint32_t root = roots[i] != kNone ? roots[i] : root_at(cells.key(i), cells.cell(i));
       const Eigen::Vector3f toward = params_.faces ? batch[i].view.toward() : Eigen::Vector3f::Zero();
-      const Eigen::Vector3f& p = addresses[i].p;
+      const Eigen::Vector3f p = cells.inside(i);
       if (settled(roots_[root], p, toward)) continue;
       ViewSteps view{};
       std::uint32_t part = root;
@@ -230,11 +226,11 @@ bool VoxelPlane::settled(const Root& first, const Eigen::Vector3f& p, const Eige
   return false;
 }
 
-std::uint32_t VoxelPlane::root_at(const Address& address) {
-  std::uint32_t number = index_.find(address.key);
+std::uint32_t VoxelPlane::root_at(std::uint64_t key, const VoxelCell& cell) {
+  std::uint32_t number = index_.find(key);
   if (number != kNone) return number;
-  number = take_root(address.cell);
-  index_.insert(address.key, number);
+  number = take_root(cell);
+  index_.insert(key, number);
   return number;
 }
 

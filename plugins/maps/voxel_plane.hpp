@@ -5,7 +5,7 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
-#include "maps/cell_index.hpp"
+#include "maps/cell_batch.hpp"
 #include "maps/chunked.hpp"
 
 namespace aslio::plugins {
@@ -99,20 +99,13 @@ class VoxelPlane final : public Map {
     std::uint32_t root, node;  ///< node: kNone for that of the root itself
   };
 
-  /// A point, or a query, on its way to its voxel.
-  struct Address {
-    std::uint64_t key = 0;
-    VoxelCell cell;
-    bool known = false;   ///< finite, and within the range of cells
-    Eigen::Vector3f p{};  ///< from the corner of the voxel [m]
-  };
-
-  /// Into its place: returned in registers, what was just written would be waited for.
-  void find_address(const Vec3& p_W, Address& out) const;
   Vec3 corner(const VoxelCell& cell) const;
-  std::uint32_t fetch_root(const Address& address) const;
+  template <class PointOf>
+  void fetch(std::size_t count, const PointOf& point, CellBatch& cells,
+             std::array<std::uint32_t, CellBatch::kSize>& roots) const;
+  std::uint32_t fetch_root(std::uint64_t key) const;
   void fetch_below(std::uint32_t root, const Eigen::Vector3f& p) const;
-  std::uint32_t root_at(const Address& address);
+  std::uint32_t root_at(std::uint64_t key, const VoxelCell& cell);
   bool settled(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& toward) const;
   std::uint32_t take_root(const VoxelCell& cell);
   std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view);
