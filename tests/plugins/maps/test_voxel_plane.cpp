@@ -1,7 +1,9 @@
 // Planes in voxels: levels, closing, flatness. (eq. MAP-1)
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "aslio/core/errors.hpp"
+#include "maps/cell_batch.hpp"
 #include "plugins/maps/voxel_plane_fixture.hpp"
 
 using namespace aslio;
@@ -149,4 +151,35 @@ TEST_CASE("voxel_plane: parameters out of range are refused") {
     CAPTURE(wrong);
     CHECK_THROWS_AS(fixture.make("{type: voxel_plane, " + std::string(wrong) + "}"), ConfigError);
   }
+}
+
+TEST_CASE("cells found by the batch are those of one point at a time, at every edge and for what has none") {
+  Uniform uniform(5);
+  const Vec3 offset(0.137, 0.223, 0.311);
+  const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  std::size_t without = 0;
+  for (const double edge : {0.5, 0.3, 1.0}) {
+    for (const double half : {1.0, 1e3, 1.5 * edge * plugins::kCellLimit}) {
+      for (int round = 0; round < 20; ++round) {
+        std::vector<Vec3> points;
+        for (std::size_t i = 0; i < plugins::CellBatch::kSize; ++i)
+          points.push_back(uniform.in_box(Vec3::Zero(), half));
+        points[1].y() = nan, points[2].z() = -inf, points[3].x() = 1e300;
+        const std::size_t count = round % 2 == 0 ? points.size() : 7;  // a full batch, and one after it that is not
+        plugins::CellBatch batch;
+        batch.find(
+            count, [&](std::size_t i) -> const Vec3& { return points[i]; }, edge, offset);
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto cell = plugins::cell_of(points[i] + edge * offset, 1.0 / edge);
+          without += cell ? 0 : 1;
+          REQUIRE(batch.key(i) == (cell ? plugins::pack(*cell) : plugins::CellBatch::kNoCell));
+          if (!cell) continue;
+          REQUIRE(batch.cell(i) == *cell);
+          const Vec3 corner = edge * (Vec3(cell->x, cell->y, cell->z) - offset);
+          REQUIRE((batch.inside(i) - (points[i] - corner).cast<float>()).norm() < 1e-6);
+        }
+      }
+    }
+  }
+  CHECK(without > 500);
 }
