@@ -69,6 +69,9 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context, double phase)
     : params_(params), offset_(kOffset + Vec3::Constant(phase)), exec_(context.exec) {}
 
+// `inline` here is for speed: these are asked for every point, and gcc makes calls of them where the linker might need
+// them elsewhere (with those of the voxel sampler 0.93 of the time of a run, the same bits).
+
 /// The number of a coarsest voxel, or kNone; starts to load it.
 inline std::uint32_t VoxelPlane::fetch_root(std::uint64_t key) const {
   const std::uint32_t root = key != CellBatch::kNoCell ? index_.find(key) : kNone;
@@ -126,7 +129,7 @@ void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, 
 }
 
 /// What `query`, at p in its voxel, meets there.
-Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first,
+inline Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first,
                             const MapQuery& how) const {
   if (first == kNone) return {};
   const Root& root = roots_[first];
@@ -148,7 +151,7 @@ Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, std::ui
 }
 
 /// The plane of the coarsest level at p in this part of its voxel; nullptr if there is none.
-const VoxelPlane::Node* VoxelPlane::plane_at(const Root& root, const Eigen::Vector3f& p,
+inline const VoxelPlane::Node* VoxelPlane::plane_at(const Root& root, const Eigen::Vector3f& p,
                                              std::uint32_t max_stamp) const {
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto edge = static_cast<float>(params_.voxel);
@@ -161,7 +164,7 @@ const VoxelPlane::Node* VoxelPlane::plane_at(const Root& root, const Eigen::Vect
 
 /// Of the planes at p in both parts, one that faces who looks in the direction `view`; else one that is seen along it.
 /// eq. MAP-4.
-const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
+inline const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
                                            std::uint32_t max_stamp) const {
   const Node* along = nullptr;
   for (const Root* root = &first;; root = &roots_[first.other]) {
@@ -211,7 +214,7 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
 
 /// Whether p, seen `toward` somewhere (of any length), changes nothing of a voxel whose first part is `first`: it
 /// belongs to that, and all that it would be added to is closed.
-bool VoxelPlane::settled(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& toward) const {
+inline bool VoxelPlane::settled(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& toward) const {
   const Node* node = &first.node;
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto half = static_cast<float>(params_.voxel);
@@ -251,7 +254,7 @@ std::uint32_t VoxelPlane::take_root(const VoxelCell& cell) {
 }
 
 /// The part of the voxel that takes a point seen in the direction `view` (unit, or zero). eq. MAP-4.
-std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view) {
+inline std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view) {
   const Root& root = roots_[first];
   const Node* node = plane_at(root, p, std::numeric_limits<std::uint32_t>::max());
   if (node != nullptr) {
@@ -304,7 +307,7 @@ std::uint32_t VoxelPlane::take_children() {
 }
 
 /// Adds a point to its voxels of all levels; false when those are closed.
-bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view) {
+inline bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view) {
   std::uint32_t number = kNone;
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto half = static_cast<float>(params_.voxel);
@@ -330,7 +333,7 @@ bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSte
   }
 }
 
-void VoxelPlane::sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view) {
+inline void VoxelPlane::sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view) {
   if (++node.count <= kMostViews) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       node.view[axis] = static_cast<std::int16_t>(node.view[axis] + view[axis]);
@@ -374,7 +377,7 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
 }
 
 /// eq. MAP-2.
-double VoxelPlane::quality(const Node& node, const Eigen::Vector3f& p) const {
+inline double VoxelPlane::quality(const Node& node, const Eigen::Vector3f& p) const {
   const Eigen::Vector3f d = p - node.mean;
   const float across = d.dot(node.normal), along = d.dot(node.along);
   const float rest = std::max(0.0F, d.squaredNorm() - across * across - along * along);

@@ -69,13 +69,14 @@ void VoxelSampler::start_pass(std::size_t points) {
   }
 }
 
-bool VoxelSampler::concerns(const SampleBatch& batch, std::size_t i) const {
+// `inline` for speed, as in voxel_plane.cpp: asked for every point.
+inline bool VoxelSampler::concerns(const SampleBatch& batch, std::size_t i) const {
   if (of_ == Of::all) return true;
   const std::uint8_t own = batch.features.empty() ? batch.raw[i].feature : batch.features[i];
   return (own & ~feature_class::clearest) == (of_ == Of::line ? feature_class::line : feature_class::plane);
 }
 
-bool VoxelSampler::enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const {
+inline bool VoxelSampler::enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const {
   if ((batch.taps[i] & taps) == 0 || !concerns(batch, i)) return false;
   const Eigen::Vector3f p = batch.body[i] * leaves_per_metre_;
   if (!(p.cwiseAbs().maxCoeff() < kFarthestCell) || !p.allFinite()) {
@@ -95,7 +96,7 @@ bool VoxelSampler::enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candi
   return true;
 }
 
-void VoxelSampler::challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate) {
+inline void VoxelSampler::challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate) {
   const std::size_t last = (std::size_t{1} << (64 - shift_)) - 1;
   std::size_t at = candidate.at;
   while (slots_[at].pass == pass_ && slots_[at].key != candidate.key) at = (at + 1) & last;
