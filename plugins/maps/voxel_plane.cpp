@@ -130,7 +130,7 @@ void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, 
 
 /// What `query`, at p in its voxel, meets there.
 inline Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first,
-                            const MapQuery& how) const {
+                                   const MapQuery& how) const {
   if (first == kNone) return {};
   const Root& root = roots_[first];
   const Node* node = nullptr;
@@ -152,7 +152,7 @@ inline Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, 
 
 /// The plane of the coarsest level at p in this part of its voxel; nullptr if there is none.
 inline const VoxelPlane::Node* VoxelPlane::plane_at(const Root& root, const Eigen::Vector3f& p,
-                                             std::uint32_t max_stamp) const {
+                                                    std::uint32_t max_stamp) const {
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   auto edge = static_cast<float>(params_.voxel);
   for (const Node* node = &root.node;; node = &nodes_[node->children + descend(p, edge, low)]) {
@@ -164,8 +164,8 @@ inline const VoxelPlane::Node* VoxelPlane::plane_at(const Root& root, const Eige
 
 /// Of the planes at p in both parts, one that faces who looks in the direction `view`; else one that is seen along it.
 /// eq. MAP-4.
-inline const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
-                                           std::uint32_t max_stamp) const {
+inline const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vector3f& p,
+                                                  const Eigen::Vector3f& view, std::uint32_t max_stamp) const {
   const Node* along = nullptr;
   for (const Root* root = &first;; root = &roots_[first.other]) {
     const Node* node = plane_at(*root, p, max_stamp);
