@@ -103,26 +103,26 @@ class VoxelPlane final : public Map {
   template <class PointOf>
   void fetch(std::size_t count, const PointOf& point, CellBatch& cells,
              std::array<std::uint32_t, CellBatch::kSize>& roots) const;
-  std::uint32_t fetch_root(std::uint64_t key) const;
-  void fetch_below(std::uint32_t root, const Eigen::Vector3f& p) const;
+  inline std::uint32_t fetch_root(std::uint64_t key) const;
+  inline void fetch_below(std::uint32_t root, const Eigen::Vector3f& p) const;
   std::uint32_t root_at(std::uint64_t key, const VoxelCell& cell);
-  bool settled(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& toward) const;
+  inline bool settled(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& toward) const;
   std::uint32_t take_root(const VoxelCell& cell);
-  std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view);
+  inline std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view);
   void unite(std::uint32_t first);
   void release(std::uint32_t root);
   std::uint32_t take_children();
   void give_back(Node& node);
-  bool add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view);
-  static void sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view);
+  inline bool add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view);
+  static inline void sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view);
   void fit(Node& node, std::uint32_t stamp);
   bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
-  double quality(const Node& node, const Eigen::Vector3f& p) const;
+  inline double quality(const Node& node, const Eigen::Vector3f& p) const;
   void drop(std::uint32_t first);
-  Surface surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first, const MapQuery& how) const;
-  const Node* plane_at(const Root& root, const Eigen::Vector3f& p, std::uint32_t max_stamp) const;
-  const Node* facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
-                     std::uint32_t max_stamp) const;
+  inline Surface surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first, const MapQuery& how) const;
+  inline const Node* plane_at(const Root& root, const Eigen::Vector3f& p, std::uint32_t max_stamp) const;
+  inline const Node* facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
+                            std::uint32_t max_stamp) const;
 
   Params params_;
   Vec3 offset_;  ///< of the grid against the origin, in voxels

@@ -65,11 +65,11 @@ class VoxelSampler final : public Sampler {
 
   void compete(SampleBatch& batch, TapMask taps);
   /// Nothing where the point takes no part, or loses its taps for being nowhere.
-  bool enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const;
-  void challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate);
+  inline bool enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const;
+  inline void challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate);
   void move_to_means(SampleBatch& batch) const;
   void start_pass(std::size_t points);
-  bool concerns(const SampleBatch& batch, std::size_t i) const;
+  inline bool concerns(const SampleBatch& batch, std::size_t i) const;
 
   float leaves_per_metre_;
   Keep keep_;
