@@ -77,6 +77,10 @@ TEST_CASE("input and dataset: one of them, not both") {
       run_aslio({"run", bench / "pipeline.yaml", "--input", bench / "recording.bag", "--output", bench / "out"});
   CHECK(half.code == 2);
   CHECK_THAT(half.err, Contains("--input needs --sensor"));
+  const Ended folder =
+      run_aslio({"run", bench / "pipeline.yaml", "--input", bench / "data", "--output", bench / "out"});
+  CHECK(folder.code == 2);
+  CHECK_THAT(folder.err, Contains("give it as --dataset " + (bench / "data").string()));
   CHECK_FALSE(std::filesystem::exists(bench / "out"));
 }
 

@@ -1,5 +1,7 @@
 #include "recording.hpp"
 
+#include <fmt/format.h>
+
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "options.hpp"
@@ -16,6 +18,12 @@ void require_one_source(const RecordingArguments& a) {
     throw ConfigError("what to run over is missing: give --input and --sensor, or --dataset");
   }
   if (!a.input.empty() && a.sensor.empty()) {
+    if (std::filesystem::exists(std::filesystem::path(a.input) / "dataset.yaml")) {
+      throw ConfigError(
+          fmt::format("--input {0}: this folder has a dataset.yaml, which names input, sensor and "
+                      "reference: give it as --dataset {0}",
+                      a.input));
+    }
     throw ConfigError("--input needs --sensor, the sensor file that fits it (configs/sensors has some)");
   }
 }
