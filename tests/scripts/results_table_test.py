@@ -165,20 +165,26 @@ class ResultsTable(StudyCase):
         self.assertEqual(results_table.ranges([7, 1, 2, 3, 9, 10]), "1-3,7,9-10")
         self.assertEqual(results_table.ranges([]), "")
 
-    def test_a_section_replaces_itself_and_nothing_else(self):
-        document = self.root / "results.md"
-        document.write_text("# Results\n\nBy hand.\n")
-        for _ in range(2):
-            self.assertEqual(printed(results_table.main, self.one(), "--into", document, "--metrics", "ate_m")[0], 0)
-        document.write_text(document.read_text() + "\nAfter it.\n")
+    def test_a_study_has_a_page_and_the_folder_an_index(self):
+        pages = self.root / "pages"
+        self.assertEqual(printed(results_table.main, self.one(), "--into", pages, "--metrics", "ate_m")[0], 0)
+        (pages / "older.md").write_text("# Study `older`\n\nWas it\nbetter?\n\n3 runs of 4, 0 failed. Revision 0123456789ab.\n")
         self.study("echo", [("a", 1, "as_lio", 0.7)])
-        printed(results_table.main, self.root, "--into", document)
-        text = document.read_text()
-        self.assertEqual(text.count("## Study `echo`"), 1)
+        printed(results_table.main, self.root, "--into", pages)
+        text = (pages / "echo.md").read_text()
+        self.assertTrue(text.startswith("# Study `echo`\n"))
         self.assertIn("0.7000", text)
         self.assertNotIn("0.0700", text)
-        self.assertTrue(text.startswith("# Results\n\nBy hand.\n\n<!-- study echo -->\n\n## Study"))
-        self.assertTrue(text.endswith("<!-- end of study echo -->\n\nAfter it.\n"))
+        index = (pages / "README.md").read_text()
+        self.assertIn("[echo](echo.md)", index)
+        self.assertIn("| [older](older.md) | Was it better? | 3 of 4 | 0123456789ab |", index)
+        self.assertNotIn("(README.md)", index)
+
+    def test_a_file_in_place_of_the_folder_is_refused(self):
+        document = self.root / "results.md"
+        document.write_text("By hand.\n")
+        self.assertEqual(printed(results_table.main, self.one(), "--into", document)[0], 2)
+        self.assertEqual(document.read_text(), "By hand.\n")
 
     def test_metrics_that_are_none(self):
         with self.assertRaises(SystemExit) as end:

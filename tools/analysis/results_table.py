@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Sections of docs/results.md from output folders of `aslio experiment`.
+"""Pages of docs/studies from output folders of `aslio experiment`.
 
-  tools/analysis/results_table.py out/table_1 out/yoked --into docs/results.md
+  tools/analysis/results_table.py out/table_1 out/yoked --into docs/studies
 
 Per study: question, the command that regenerates it, what its rule says, median (smallest to largest) over seeds, and all
-values by seed in a folded block. With --into, a section stands between marks of its own and replaces what stood there; a new
-one goes to the end. A run that failed is "x" (end to end: "-" when late,
-as in the paper), and counts as worse than any figure. Needs numpy.
+values by seed in a folded block. With --into, every study has a page of its own, NAME.md, and README.md lists those of the
+folder; without, the pages go to stdout. A run that failed is "x" (end to end: "-" when late, as in the paper), and counts as
+worse than any figure. Needs numpy.
 """
 import argparse
 import json
@@ -192,21 +192,31 @@ def section(study, metrics, options):
     extent += f" Revision {', '.join(made)}." if made else ""
     missing = left_out(study)
     extent += f" Of the file, which the command runs whole, without {', '.join(missing)}." if missing else ""
-    parts = [f"## Study `{study.name}`", study.question, command(study, options), extent, verdict(study, options),
+    parts = [f"# Study `{study.name}`", study.question, command(study, options), extent, verdict(study, options),
              f"{caption(study)}:", summary(study, metrics), FOOTNOTE if told_marks else "",
              COSTS_FOOTNOTE if failures and set(COSTS) & set(metrics) else "",
              all_values(study, [metric for metric in metrics if options.values is None or metric in options.values])]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def placed(document, name, text):
-    """The document with the section of this study renewed, or added at the end."""
-    begin, end = f"<!-- study {name} -->", f"<!-- end of study {name} -->"
-    block = f"{begin}\n\n{text}\n{end}"
-    found = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
-    if found.search(document):
-        return found.sub(lambda _: block, document)
-    return document.rstrip("\n") + "\n\n" + block + "\n"
+INDEX = "README.md"
+
+
+def listed(folder):
+    """The index of a folder of pages: of every page its question, and of how many runs and which program it is."""
+    lines = []
+    for page in sorted(folder.glob("*.md")):
+        if page.name == INDEX:
+            continue
+        parts = [part.strip() for part in page.read_text(encoding="utf-8").split("\n\n")]
+        extent = next((part for part in parts if re.match(r"\d+ runs", part)), "")
+        runs = extent.partition(",")[0].replace(" runs", "")
+        revision = re.search(r"Revision ([^.]*)\.", extent)
+        question = parts[1].replace("\n", " ") if len(parts) > 1 else ""
+        lines.append([f"[{page.stem}]({page.name})", question, runs, revision.group(1) if revision else ""])
+    return ("# Studies\n\nThe tables of every study, made by `tools/analysis/results_table.py`; what they say is read in "
+            "[results.md](../results.md) and [ablations.md](../ablations.md).\n\n"
+            + markdown_table(["study", "question", "runs", "revision"], lines) + "\n")
 
 
 def arguments(words):
@@ -214,7 +224,7 @@ def arguments(words):
     parser.add_argument("studies", nargs="+", help="output folders of aslio experiment")
     parser.add_argument("--metrics", default=USUAL, help=f"of {', '.join(METRICS)}; default {USUAL}")
     parser.add_argument("--values", help="those whose values by seed are listed, too, or 'none'; default: all of --metrics")
-    parser.add_argument("--into", metavar="FILE", help="document whose sections are renewed; without, they go to stdout")
+    parser.add_argument("--into", metavar="DIR", help="folder whose pages are renewed; without, they go to stdout")
     parser.add_argument("--best-fixed", metavar="METHOD", help="as for decide.py")
     parser.add_argument("--tuning", metavar="STUDY", help="as for decide.py")
     options = parser.parse_args(words)
@@ -242,11 +252,14 @@ def main(words):
     if not options.into:
         sys.stdout.write("\n".join(text for _, text in sections))
         return 0
-    path = pathlib.Path(options.into)
-    document = path.read_text(encoding="utf-8") if path.exists() else ""
+    folder = pathlib.Path(options.into)
+    if folder.is_file():
+        print(f"error: --into {folder}: is a file; name a folder, which gets a page per study", file=sys.stderr)
+        return 2
+    folder.mkdir(parents=True, exist_ok=True)
     for name, text in sections:
-        document = placed(document, name, text)
-    path.write_text(document, encoding="utf-8")
+        (folder / f"{name}.md").write_text(text, encoding="utf-8")
+    (folder / INDEX).write_text(listed(folder), encoding="utf-8")
     return 0
 
 
