@@ -190,6 +190,36 @@ TEST_CASE("one or two packets from another time do no harm, a third that agrees 
   }
 }
 
+TEST_CASE("a packet far ahead waits for the next one to tell a pause from a wild stamp") {
+  const TimeNs step = kSecond / 10;
+  MeasurementStream stream;
+  stream.push(regular_packet(0, kEpoch, 1000, 100));
+  stream.push(regular_packet(1, kEpoch + 5 * kSecond, 1000, 100));
+  stream.push(regular_packet(2, kEpoch + step, 1000, 100));
+  CHECK(stream.last_point() == kEpoch + step + 99'000);
+  CHECK(stream.counters().points == 200);
+  CHECK(stream.counters().packet_time_jumps == 1);
+  CHECK(stream.counters().longest_point_step == step - 99'000);
+  stream.push(regular_packet(3, kEpoch + 7 * kSecond, 1000, 100));
+  CHECK(stream.counters().points == 200);
+  stream.push(regular_packet(3, kEpoch + 7 * kSecond, 1000, 100));  // a copy confirms it, and is none the less a copy
+  CHECK(stream.counters().points == 300);
+  CHECK(stream.counters().duplicate_packets == 1);
+  stream.push(regular_packet(4, kEpoch + 7 * kSecond + step, 1000, 100));
+  CHECK(stream.counters().points == 400);
+  CHECK(stream.counters().packet_time_jumps == 1);
+}
+
+TEST_CASE("sweeps of points that were let go are let go, too") {
+  MeasurementStream stream;
+  for (std::uint32_t k = 0; k < 1000; ++k) {
+    stream.push(regular_packet(k, kEpoch + k * (kSecond / 100), 1000, 10));
+    stream.forget_points(stream.last_point() - kSecond);
+  }
+  CHECK(stream.buffered_points() < 1100);
+  CHECK(stream.buffered_sweeps() < 110);
+}
+
 TEST_CASE("points are complete to just before the newest, since its firing may go on in the next packet") {
   MeasurementStream stream;
   CHECK(stream.points_until() == kTimeMin);

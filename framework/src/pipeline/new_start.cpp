@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "imu_at_start.hpp"
+#include "imu_gap.hpp"
 
 namespace aslio::pipeline {
 
@@ -12,9 +13,6 @@ namespace {
 
 /// A position that was dead-reckoned for longer is worth less than none [s].
 constexpr double kReckonedPosition = 10.0;
-/// Two samples of the IMU further apart are a gap, over which nothing is dead-reckoned or averaged [ns].
-constexpr TimeNs kImuGap = kSecond / 4;
-bool is_gap(const ImuSample& a, const ImuSample& b) { return b.t - a.t > kImuGap; }
 /// An acceleration turns the mean specific force by no more than this from the vertical [rad].
 constexpr double kMostTilt = 20.0 * kRadPerDegree;
 
@@ -49,9 +47,8 @@ std::optional<NavState> NewStart::reckoned(const stream::MeasurementStream& stre
                                            TimeNs t) const {
   std::vector<ImuSample> imu;
   if (!known_.state || t - known_.state->t > kLongestReckoning) return std::nullopt;
-  // Not what the stream calls a gap: that depends on the samples that have arrived.
   stream.imu_covering(known_.state->t, t, imu);
-  if (imu.size() < 2 || std::adjacent_find(imu.begin(), imu.end(), is_gap) != imu.end()) return std::nullopt;
+  if (!can_be_reckoned(imu)) return std::nullopt;
   const NavState state = estimator.predict(imu);
   const bool finite = state.R.allFinite() && state.p.allFinite() && state.v.allFinite();
   return finite && state.v.norm() <= known_.max_speed ? std::optional(state) : std::nullopt;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "aslio/core/spread.hpp"
+#include "imu_gap.hpp"
 
 namespace aslio::pipeline {
 
@@ -12,8 +13,9 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   points_.clear();
   if (!estimator_.uses_imu()) {
     imu_ = {{.t = from.t}, {.t = t}};
-  } else if (!stream_.imu_covering(from.t, t, imu_)) {
-    return {};
+  } else {
+    stream_.imu_covering(from.t, t, imu_);
+    if (!can_be_reckoned(imu_)) return {};
   }
   const Pose begin = from.pose();
   const Pose end = estimator_.predict(imu_).pose();

@@ -34,17 +34,25 @@ std::size_t drop_strays(std::vector<TimedPoint>& points) {
 
 }  // namespace
 
-bool JumpGuard::admit(TimeNs begin, TimeNs end, TimeNs last) {
+bool JumpGuard::confirms(TimeNs begin, TimeNs end) {
+  if (!held_ || end < *held_ - kMaxStepBack || begin > *held_ + kMaxStepAhead) return false;
+  held_.reset();
+  return true;
+}
+
+JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last) {
   const bool back = end < last - kMaxStepBack;
   const bool ahead = begin > last + kMaxStepAhead;
   if (!back && !ahead) {
     in_a_row_ = 0;
-    return true;
+    const bool usual = begin <= last + kMaxStepBack;
+    held_ = usual ? std::nullopt : std::optional(end);
+    return usual ? Verdict::take : Verdict::hold;
   }
   const bool continues = in_a_row_ > 0 && begin > rejected_ && begin - rejected_ <= kMaxStepBack;
   in_a_row_ = continues ? in_a_row_ + 1 : 1;
   rejected_ = begin;
-  if (in_a_row_ < kConfirmations) return false;
+  if (in_a_row_ < kConfirmations) return Verdict::ignore;
   const double jump = to_seconds(back ? last - begin : begin - last);
   throw DataError(
       fmt::format("{} clock jumped {} by {:.1f} s at {}.{:09} s ({} stamps in a row agree); split the recording there",

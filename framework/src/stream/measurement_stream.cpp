@@ -29,22 +29,39 @@ void MeasurementStream::push(LidarPacket&& packet) {
     return;
   }
   const PacketKey key{packet.stamp, points.front().t, points.back().t, size};
+  if (held_packet_ && packet_guard_.confirms(key.first, key.last)) {
+    take(std::move(*held_packet_));
+    held_packet_.reset();
+  }
   if (seen_before(key)) {
     ++counters_.duplicate_packets;
     return;
   }
+  // Counted before the guard speaks, so that the counter is right also when it throws.
   if (last_point_ != kTimeMin && last_point_ - key.last > kMaxStepBack) ++counters_.packet_time_jumps;
   if (last_point_ != kTimeMin && key.first - last_point_ > kMaxStepAhead) ++counters_.packet_time_jumps;
-  if (last_point_ != kTimeMin && !packet_guard_.admit(key.first, key.last, last_point_)) return;
-  recent_packets_[recent_count_++ % kRecentPackets] = key;
+  const JumpGuard::Verdict verdict =
+      last_point_ == kTimeMin ? JumpGuard::Verdict::take : packet_guard_.judge(key.first, key.last, last_point_);
+  if (verdict == JumpGuard::Verdict::ignore) return;
+  counters_.packet_time_jumps += held_packet_.has_value();
+  held_packet_.reset();
+  ArrivedPacket arrived{std::move(packet), key, findings.reordered};
+  if (verdict == JumpGuard::Verdict::hold)
+    held_packet_ = std::move(arrived);
+  else
+    take(std::move(arrived));
+}
 
+void MeasurementStream::take(ArrivedPacket&& arrived) {
+  std::vector<TimedPoint>& points = arrived.packet.points;
+  recent_packets_[recent_count_++ % kRecentPackets] = arrived.key;
   const auto closed = [](TimeNs limit, const TimedPoint& p) { return limit < p.t; };
   const auto open = std::upper_bound(points.begin(), points.end(), closed_until(), closed);
   const auto late = static_cast<std::size_t>(open - points.begin());
   const auto too_early = std::upper_bound(points.begin(), open, start_, closed) - points.begin();
   counters_.points_before_start += static_cast<std::uint64_t>(too_early);
   counters_.points_late += late - static_cast<std::uint64_t>(too_early);
-  counters_.points_reordered += findings.reordered - std::min(findings.reordered, late);
+  counters_.points_reordered += arrived.reordered - std::min(arrived.reordered, late);
   const std::span<TimedPoint> accepted(open, points.end());
   // Late points count too: what comes after them must not depend on whether its packet came before or after the cut.
   next_index_ += static_cast<std::uint32_t>(late);
@@ -53,6 +70,9 @@ void MeasurementStream::push(LidarPacket&& packet) {
   counters_.points += accepted.size();
   note_sweeps(accepted);
   points_.merge(accepted);
+  const auto later = std::upper_bound(accepted.begin(), accepted.end(), last_point_, closed);
+  if (last_point_ != kTimeMin && later != accepted.end())
+    counters_.longest_point_step = std::max(counters_.longest_point_step, later->t - last_point_);
   first_point_ = std::min(first_point_.value_or(kTimeMax), accepted.front().t);
   last_point_ = std::max(last_point_, accepted.back().t);
 }
@@ -81,10 +101,24 @@ void MeasurementStream::push(const ImuSample& sample) {
     return;
   }
   if (first_imu_) {
-    // Counted before the guard speaks, so that the counter is right also when it throws.
+    if (held_imu_ && imu_guard_.confirms(sample.t, sample.t)) {
+      take(*held_imu_);
+      held_imu_.reset();
+    }
     if (last_imu_ - sample.t > kMaxStepBack || sample.t - last_imu_ > kMaxStepAhead) ++counters_.imu_time_jumps;
-    if (!imu_guard_.admit(sample.t, sample.t, last_imu_)) return;
+    const JumpGuard::Verdict verdict = imu_guard_.judge(sample.t, sample.t, last_imu_);
+    if (verdict == JumpGuard::Verdict::ignore) return;
+    counters_.imu_time_jumps += held_imu_.has_value();
+    held_imu_.reset();
+    if (verdict == JumpGuard::Verdict::hold) {
+      held_imu_ = sample;
+      return;
+    }
   }
+  take(sample);
+}
+
+void MeasurementStream::take(const ImuSample& sample) {
   const std::size_t until = imu_.count_until(sample.t);
   if (until > 0 && imu_.all()[until - 1].t == sample.t) {
     ++counters_.imu_duplicate;
@@ -97,8 +131,10 @@ void MeasurementStream::push(const ImuSample& sample) {
   if (first_imu_ && sample.t < last_imu_) {
     ++counters_.imu_reordered;
   } else if (first_imu_) {
-    counters_.imu_gaps += imu_gap(sample.t - last_imu_);
-    imu_steps_.add(sample.t - last_imu_);
+    const TimeNs step = sample.t - last_imu_;
+    counters_.imu_gaps += imu_period() > 0 && step > kGapPeriods * imu_period();
+    counters_.longest_imu_step = std::max(counters_.longest_imu_step, step);
+    imu_steps_.add(step);
   }
   ++counters_.imu;
   imu_.merge({&sample, 1});
@@ -106,37 +142,32 @@ void MeasurementStream::push(const ImuSample& sample) {
   last_imu_ = std::max(last_imu_, sample.t);
 }
 
-void MeasurementStream::finish() { finished_ = true; }
+void MeasurementStream::finish() {
+  // A pause that nothing confirms is a wild stamp.
+  counters_.packet_time_jumps += held_packet_.has_value();
+  counters_.imu_time_jumps += held_imu_.has_value();
+  held_packet_.reset();
+  held_imu_.reset();
+  finished_ = true;
+}
 
-bool MeasurementStream::imu_gap(TimeNs step) const { return imu_period() > 0 && step > kGapPeriods * imu_period(); }
-
-ImuSample MeasurementStream::imu_at(std::size_t after, TimeNs t, bool& held) const {
+ImuSample MeasurementStream::imu_at(std::size_t after, TimeNs t) const {
   const std::span<const ImuSample> samples = imu_.all();
   if (after > 0 && samples[after - 1].t == t) return samples[after - 1];
-  if (after > 0 && after < samples.size()) {
-    held = held || imu_gap(samples[after].t - samples[after - 1].t);
-    return interpolated(samples[after - 1], samples[after], t);
-  }
-  held = true;
+  if (after > 0 && after < samples.size()) return interpolated(samples[after - 1], samples[after], t);
   ImuSample nearest = samples[after == 0 ? 0 : after - 1];
   nearest.t = t;
   return nearest;
 }
 
-bool MeasurementStream::imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const {
+void MeasurementStream::imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const {
   out.clear();
-  if (imu_.empty()) return false;
+  if (imu_.empty()) return;
   const std::span<const ImuSample> samples = imu_.all();
   const std::size_t from = imu_.count_until(begin), to = imu_.count_until(end);
-  bool held = false;
-  out.push_back(imu_at(from, begin, held));
-  for (std::size_t i = from; i < to && samples[i].t < end; ++i) {
-    held = held || (i > 0 && imu_gap(samples[i].t - samples[i - 1].t));
-    out.push_back(samples[i]);
-  }
-  if (to > 1 && samples[to - 1].t == end) held = held || imu_gap(end - samples[to - 2].t);
-  out.push_back(imu_at(to, end, held));
-  return !held;
+  out.push_back(imu_at(from, begin));
+  for (std::size_t i = from; i < to && samples[i].t < end; ++i) out.push_back(samples[i]);
+  out.push_back(imu_at(to, end));
 }
 
 std::optional<TimeNs> MeasurementStream::imu_silent_after(TimeNs begin, TimeNs end, TimeNs longest) const {
@@ -174,11 +205,10 @@ Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
   window.plan = plan;
   window.sequence = sequence;
   window.fresh = points(plan.fresh_begin, plan.end);
-  const bool covered = imu_covering(plan.fresh_begin, plan.end, window_imu_);
+  imu_covering(plan.fresh_begin, plan.end, window_imu_);
   window.imu = window_imu_;
   const std::size_t until = imu_.count_until(plan.end);
   window.imu_read_at_end = until > 0 && imu_.all()[until - 1].t == plan.end;
-  window.imu_extrapolated = !covered;
   const TimeNs step = longest_imu_step(plan.fresh_begin, plan.end);
   learn_cut_steps(plan.end);
   const TimeNs usual = cut_steps_.median();
@@ -195,6 +225,15 @@ void MeasurementStream::release(TimeNs t) {
   // The sample at or before t stays: the next window interpolates from it.
   const std::size_t until = imu_.count_until(t);
   if (until > 1) imu_.forget(until - 1);
+  forget_sweeps(t);
+}
+
+void MeasurementStream::forget_points(TimeNs t) {
+  points_.forget(points_.count_until(t));
+  forget_sweeps(t);
+}
+
+void MeasurementStream::forget_sweeps(TimeNs t) {
   // The newest sweep stays: it is not over until a later one begins.
   const auto over = [t](const Sweep& s) { return s.end > t; };
   if (!sweeps_.empty()) sweeps_.erase(sweeps_.begin(), std::find_if(sweeps_.begin(), sweeps_.end() - 1, over));

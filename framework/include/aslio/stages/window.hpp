@@ -103,8 +103,7 @@ struct Window {
   /// Samples that cover [fresh_begin, end]: the first is at fresh_begin and the last at `end` (interpolated there), so
   /// consecutive pairs are the integration intervals. At least 2; fewer only when there is no IMU data at all.
   std::span<const ImuSample> imu;
-  bool imu_read_at_end = false;   ///< the last of `imu` is a reading, not what was interpolated between two
-  bool imu_extrapolated = false;  ///< the nearest sample had to be held at an end, or a gap lies inside
+  bool imu_read_at_end = false;  ///< the last of `imu` is a reading, not what was interpolated between two
   TimeNs imu_gap = 0;  ///< longest time between readings that it reaches into, when that is a gap [ns]; otherwise 0
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@
 
 namespace aslio::stream {
 
-/// Stamps may step back by this much (reordering) or ahead by this much (a pause) and are still believed.
+/// Stamps may step back by this much (reordering) or ahead by this much (a pause) and are still believed; a step ahead
+/// of more than kMaxStepBack once the next measurement confirms it.
 inline constexpr TimeNs kMaxStepBack = kSecond;
 inline constexpr TimeNs kMaxStepAhead = 60 * kSecond;
 /// Coordinates beyond this are garbage [m]; they would overflow cell indices.
@@ -21,17 +23,27 @@ inline constexpr TimeNs kMaxStamp = kTimeMax / 4;
 /// A stamp that arithmetic can be done with.
 constexpr bool sane_stamp(TimeNs t) { return t > -kMaxStamp && t < kMaxStamp; }
 
-/// Tells a single wild stamp, which is to be ignored, from a clock that really jumped, which no odometry can bridge.
+/// Tells a single wild stamp, which is to be ignored, from a pause of the data, and from a clock that really jumped,
+/// which no odometry can bridge.
 class JumpGuard {
  public:
+  enum class Verdict {
+    take,    ///< and the measurement that is held, if any, had a wild stamp: drop it
+    ignore,  ///< a wild stamp
+    hold,    ///< a pause or a wild stamp, as the next one will tell; drop what is held already
+  };
+
   explicit JumpGuard(std::string what) : what_(std::move(what)) {}
 
-  /// Is a measurement of [begin, end] plausible after `last`? False: ignore it. Throws DataError at the third
-  /// implausible stamp in a row that continues the one before.
-  bool admit(TimeNs begin, TimeNs end, TimeNs last);
+  /// Whether a measurement of [begin, end] confirms that the one that is held came after a pause: take that one first.
+  bool confirms(TimeNs begin, TimeNs end);
+  /// Of a measurement of [begin, end] after `last`. Throws DataError at the third implausible stamp in a row that
+  /// continues the one before.
+  Verdict judge(TimeNs begin, TimeNs end, TimeNs last);
 
  private:
   std::string what_;
+  std::optional<TimeNs> held_;  ///< end of the measurement that waits for the next one
   TimeNs rejected_ = 0;
   int in_a_row_ = 0;
 };

@@ -19,11 +19,12 @@ struct StreamCounters {
   std::uint64_t packets = 0;            ///< arrived
   std::uint64_t empty_packets = 0;      ///< without a single valid point
   std::uint64_t duplicate_packets = 0;  ///< stamp, size and time extent of a recent packet: ignored
-  std::uint64_t packet_time_jumps = 0;  ///< implausibly far from the last point (> 1 s back or > 60 s ahead): ignored
-  std::uint64_t points = 0;             ///< accepted
-  std::uint64_t points_invalid = 0;     ///< not finite, absurdly far (> 1e5 m), or dropped by the decoder
-  std::uint64_t points_stray = 0;       ///< time more than 1 s away from the body of the packet: dropped
-  std::uint64_t points_late = 0;        ///< after the first cut, before the last one: dropped
+  /// Implausibly far from the last point (> 1 s back, > 60 s ahead, or > 1 s ahead of all that follow): ignored.
+  std::uint64_t packet_time_jumps = 0;
+  std::uint64_t points = 0;          ///< accepted
+  std::uint64_t points_invalid = 0;  ///< not finite, absurdly far (> 1e5 m), or dropped by the decoder
+  std::uint64_t points_stray = 0;    ///< time more than 1 s away from the body of the packet: dropped
+  std::uint64_t points_late = 0;     ///< after the first cut, before the last one: dropped
   /// Of a time that was released before the first cut, such as those of a message that reaches over the start of the
   /// odometry: dropped, and no anomaly.
   std::uint64_t points_before_start = 0;
@@ -33,8 +34,9 @@ struct StreamCounters {
   std::uint64_t imu_duplicate = 0;     ///< equal stamp: first kept
   std::uint64_t imu_late = 0;          ///< before the last cut: dropped
   std::uint64_t imu_reordered = 0;
-  std::uint64_t imu_time_jumps = 0;  ///< stamps implausibly far from the last (> 1 s back or > 60 s ahead): dropped
-  std::uint64_t imu_gaps = 0;        ///< steps longer than 5 median periods, as they arrived
+  std::uint64_t imu_time_jumps = 0;                     ///< as packet_time_jumps
+  std::uint64_t imu_gaps = 0;                           ///< steps longer than 5 median periods, as they arrived
+  TimeNs longest_imu_step = 0, longest_point_step = 0;  ///< of accepted ones, as they arrived [ns]
 };
 
 class MeasurementStream final : public StreamView {
@@ -42,7 +44,8 @@ class MeasurementStream final : public StreamView {
   MeasurementStream();
 
   /// Points in any order. The push()es throw DataError when three measurements in a row agree that the clock jumped
-  /// (> 1 s back or > 60 s ahead); fewer are ignored and counted.
+  /// (> 1 s back or > 60 s ahead); fewer are ignored and counted. One of more than 1 s ahead is held until the next one
+  /// tells whether it was a pause.
   void push(LidarPacket&& packet);
   void push(const ImuSample& sample);
   /// No more data: *_until() become kTimeMax.
@@ -56,10 +59,10 @@ class MeasurementStream final : public StreamView {
   /// The window of a plan: spans into the stream, IMU interpolated at both ends (held where IMU data is missing).
   /// Valid until the next push(), release() or cut().
   Window cut(const WindowPlan& plan, std::uint32_t sequence);
-  /// IMU samples covering [begin, end], interpolated at both ends, in caller's storage. Pre: begin < end. False when
-  /// the nearest sample had to be held at an end, or a gap lies inside (more than 5 median periods, bridged linearly);
-  /// `out` is filled all the same, and empty only when there is no IMU data at all.
-  bool imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const;
+  /// IMU samples covering [begin, end], interpolated at both ends, in caller's storage. Pre: begin < end. Where there
+  /// are none, the nearest is held at an end, and a gap is bridged by a line; empty only when there is no IMU data at
+  /// all.
+  void imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSample>& out) const;
   /// The sample after which there is none for more than `longest` [ns], the first such that lies before `end` and has
   /// its successor after `begin`. After the newest sample, to the newest point.
   std::optional<TimeNs> imu_silent_after(TimeNs begin, TimeNs end, TimeNs longest) const;
@@ -68,7 +71,7 @@ class MeasurementStream final : public StreamView {
   void release(TimeNs t);
 
   /// Points up to `t` may be forgotten, though later arrivals before it are none too late, and IMU data stay.
-  void forget_points(TimeNs t) { points_.forget(points_.count_until(t)); }
+  void forget_points(TimeNs t);
 
   /// One ns short of the last point: the next packet may continue its firing, which no cut may split.
   TimeNs points_until() const override;
@@ -87,6 +90,7 @@ class MeasurementStream final : public StreamView {
   TimeNs imu_period() const { return imu_steps_.median(); }
   std::size_t buffered_points() const { return points_.size(); }
   std::size_t buffered_imu() const { return imu_.size(); }
+  std::size_t buffered_sweeps() const { return sweeps_.size(); }
 
  private:
   struct Sweep {
@@ -101,13 +105,21 @@ class MeasurementStream final : public StreamView {
   };
   static constexpr std::size_t kRecentPackets = 64;
 
+  struct ArrivedPacket {
+    LidarPacket packet;  ///< its points in time order
+    PacketKey key;
+    std::size_t reordered = 0;
+  };
+
   bool seen_before(const PacketKey& key);
+  void take(ArrivedPacket&& arrived);
+  void take(const ImuSample& sample);
   void note_sweeps(std::span<const TimedPoint> points);
+  void forget_sweeps(TimeNs t);
   /// Between readings, of a time span and what lies around it [ns]; from or to its end where there are none.
   TimeNs longest_imu_step(TimeNs begin, TimeNs end) const;
   void learn_cut_steps(TimeNs end);
-  ImuSample imu_at(std::size_t after, TimeNs t, bool& held) const;
-  bool imu_gap(TimeNs step) const;
+  ImuSample imu_at(std::size_t after, TimeNs t) const;
   /// Nothing at or before this time is taken any more.
   TimeNs closed_until() const { return std::max(released_, last_cut_); }
 
@@ -119,6 +131,8 @@ class MeasurementStream final : public StreamView {
   std::size_t recent_count_ = 0;
   PacketSorter sorter_;
   JumpGuard packet_guard_{"LiDAR"}, imu_guard_{"IMU"};
+  std::optional<ArrivedPacket> held_packet_;
+  std::optional<ImuSample> held_imu_;
   StepMedian imu_steps_;                 ///< of what has arrived
   StepMedian cut_steps_;                 ///< of the readings up to the last cut, in time order: however they arrive
   std::optional<TimeNs> last_cut_step_;  ///< the last of them
