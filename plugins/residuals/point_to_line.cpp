@@ -13,7 +13,8 @@ constexpr double kCoincident = 1e-6;  // neighbours closer together than this [m
 
 void PointToLine::describe(config::Binder& b, Params& p) {
   b.integer("k", p.k, "", {.min = 2, .max = Neighbours::kMax}, "neighbours of a line, all of which must be found");
-  b.real("max_distance", p.max_distance, "m", {.above = 0.0}, "neighbours farther than this are not looked at");
+  b.real("max_distance", p.max_distance, "m", {.above = 0.0, .max = 1e4},
+         "neighbours farther than this are not looked at");
   b.real("elongation", p.elongation, "", {.min = 1.0},
          "least ratio of the largest to the middle eigenvalue of the neighbours' scatter");
   b.real("gate", p.gate, "1/m", {.min = 0.0}, "a match takes part while range > gate * r^2 (0: always)");

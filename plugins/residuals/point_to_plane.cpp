@@ -19,7 +19,8 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
            "where planes come from: fitted to the nearest points of the map, or kept by the map (k, max_distance, "
            "plane_threshold and min_spread then do not count)");
   b.integer("k", p.k, "", {.min = 3, .max = Neighbours::kMax}, "neighbours of a plane, all of which must be found");
-  b.real("max_distance", p.max_distance, "m", {.above = 0.0}, "neighbours farther than this are not looked at");
+  b.real("max_distance", p.max_distance, "m", {.above = 0.0, .max = 1e4},
+         "neighbours farther than this are not looked at");
   b.real("plane_threshold", p.plane_threshold, "m", {.above = 0.0},
          "a neighbour farther than this from the plane refuses the plane");
   b.real("min_spread", p.min_spread, "", {.min = 0.0, .below = 1.0},

@@ -9,7 +9,7 @@ constexpr std::size_t kMatchesPerChunk = 1024;
 }
 
 void PointToPoint::describe(config::Binder& b, Params& p) {
-  b.real("max_distance", p.max_distance, "m", {.above = 0.0}, "a point farther than this is not looked at");
+  b.real("max_distance", p.max_distance, "m", {.above = 0.0, .max = 1e4}, "a point farther than this is not looked at");
   b.real("gate", p.gate, "", {.min = 0.0}, "a match takes part while |r| < gate * sigma (0: always)");
   b.choice("kernel", p.kernel, {{"none", Kernel::none}, {"geman_mcclure", Kernel::geman_mcclure}},
            "robust weight: none, or (sigma / (sigma + r^2))^2 with both in metres (KISS-ICP)");

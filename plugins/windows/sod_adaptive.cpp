@@ -52,7 +52,7 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
       "IMU samples per update, in the mean, at least: the rate rises no further than that, though to n_least, for "
       "between samples motion is interpolated, not measured; 0: no such limit");
   b.require(p.n_least <= p.n_max, "n_least", "must not exceed n_max");
-  b.require(p.n_least <= 2 * to_ns(p.frame_length) / to_ns(p.shift_min), "shift_min",
+  b.require(p.n_least * to_ns(p.shift_min) <= 2 * to_ns(p.frame_length), "shift_min",
             "must not exceed 2 frame_length / n_least, the time between updates while the overlap is full");
 }
 

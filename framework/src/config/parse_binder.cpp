@@ -111,22 +111,19 @@ void ParseBinder::mistyped(const Node& node, std::string_view key, const std::st
   problems_.add(node.at(), quoted_path(key) + " must be " + expected + ", is " + what_stands_there(node));
 }
 
-void ParseBinder::check_range(const Node& node, double value, std::string_view key, std::string_view unit,
-                              const Range& range) {
-  if (admits(range, value)) return;
+bool ParseBinder::in_range(const Node& node, double value, std::string_view key, std::string_view unit,
+                           const Range& range) {
+  if (admits(range, value)) return true;
   problems_.add(node.at(), fmt::format("{} is out of range: {}{}{}, admissible is {}", quoted_path(key), node.text(),
                                        unit.empty() ? "" : " ", unit, range_text(range, unit)));
+  return false;
 }
 
 std::optional<double> ParseBinder::read_real(const Node& node, std::string_view key, std::string_view unit,
                                              const Range& range) {
   const auto value = node.is_scalar() && !node.quoted() ? parse_real(node.text()) : std::nullopt;
-  if (value) {
-    check_range(node, *value, key, unit, range);
-  } else {
-    mistyped(node, key, "a finite decimal number" + unit_text(unit));
-  }
-  return value;
+  if (!value) mistyped(node, key, "a finite decimal number" + unit_text(unit));
+  return value && in_range(node, *value, key, unit, range) ? value : std::nullopt;
 }
 
 std::optional<std::string> ParseBinder::read_text(const Node& node, std::string_view key,
@@ -164,12 +161,8 @@ void ParseBinder::integer(std::string_view key, std::int64_t& value, std::string
   if (checking_) return;
   if (const Node* node = take(key)) {
     const auto read = node->is_scalar() && !node->quoted() ? parse_integer(node->text()) : std::nullopt;
-    if (read) {
-      check_range(*node, static_cast<double>(*read), key, unit, range);
-      value = *read;
-    } else {
-      mistyped(*node, key, "a whole decimal number" + unit_text(unit));
-    }
+    if (!read) mistyped(*node, key, "a whole decimal number" + unit_text(unit));
+    if (read && in_range(*node, static_cast<double>(*read), key, unit, range)) value = *read;
   }
   put_scalar(key, std::to_string(value));
 }
@@ -213,11 +206,12 @@ void ParseBinder::reals(std::string_view key, std::vector<double>& value, std::s
       problems_.add(node->at(), quoted_path(key) + " must be a list of " + count + "numbers" + unit_text(unit) +
                                     ", is " + what_stands_there(*node) + got);
     } else {
-      value.clear();
+      std::vector<double> read;
       for (std::size_t i = 0; i < node->items().size(); ++i) {
         const std::string item = std::string(key) + '.' + std::to_string(i);
-        value.push_back(read_real(node->items()[i], item, unit, range).value_or(0.0));
+        if (const auto v = read_real(node->items()[i], item, unit, range)) read.push_back(*v);
       }
+      if (read.size() == node->items().size()) value = std::move(read);
     }
   }
   std::vector<Node> items;

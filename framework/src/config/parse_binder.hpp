@@ -73,7 +73,8 @@ class ParseBinder final : public Binder {
   void mistyped(const Node& node, std::string_view key, const std::string& expected);
   std::optional<double> read_real(const Node& node, std::string_view key, std::string_view unit, const Range& range);
   std::optional<std::string> read_text(const Node& node, std::string_view key, const std::vector<std::string>& allowed);
-  void check_range(const Node& node, double value, std::string_view key, std::string_view unit, const Range& range);
+  /// Tells a value that is not; such a one is not taken, so that no rule between keys meets it.
+  bool in_range(const Node& node, double value, std::string_view key, std::string_view unit, const Range& range);
   std::optional<StageChoice> choose(const Node* node, std::string_view key, std::string_view family,
                                     std::string_view default_type);
   std::shared_ptr<const StageRecipe> read_stage(const Node* node, std::string_view key, std::string_view family,

@@ -187,6 +187,10 @@ TEST_CASE("n_least above n_max, or with a shift below shift_min, is refused") {
   const test::WindowCatalog catalog;
   CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 30, n_max: 25}"), Contains("n_least"));
   CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 4, shift_min: 0.06}"), Contains("shift_min"));
+  for (const char* shortest : {"0", "1e-10", "-1e-9"}) {
+    CHECK_THAT(catalog.complaint(std::string("{type: sod_adaptive, shift_min: ") + shortest + "}"),
+               Contains("shift_min") && Contains("out of range"));
+  }
   // 0.2 s hold it three times but for the last nanosecond.
   CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 3, shift_min: 0.0666666667}"), Contains("shift_min"));
 }
