@@ -281,12 +281,17 @@ void Ieskf::follow(const NavState& at) {
       [&](std::size_t i) { return frame_.match_time()[i]; }, [&](std::size_t i, const Vec3& p) { fresh_.body[i] = p; });
 }
 
+/// A residual of several rows has one match for so many.
+std::int64_t Ieskf::matches(const WindowInformation& sum) const {
+  return static_cast<std::int64_t>(sum.accepted) / residual_->rows_per_match();
+}
+
 /// All residuals at the iterate.
 Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySelection& past,
                                  const StepContext& context) {
   Evaluation sums;
   sums.fresh = evaluate(fresh_, at, gate_);
-  if (first && static_cast<std::int64_t>(sums.fresh.accepted) < params_.dense_below) {
+  if (first && matches(sums.fresh) < params_.dense_below) {
     // The less of the view is known, the more each known point counts.
     frame_.match_all();
     reserve(frame_.match_body().size(), past.points.size());
@@ -298,8 +303,8 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
   }
   const double history_gate = context.histories.gate(params_.sigma);
   sums.history = evaluate(history_, at, {history_gate * history_gate, 0});
-  result_.fresh_matches = static_cast<std::uint32_t>(sums.fresh.accepted);
-  result_.history_matches = static_cast<std::uint32_t>(sums.history.accepted);
+  result_.fresh_matches = static_cast<std::uint32_t>(matches(sums.fresh));
+  result_.history_matches = static_cast<std::uint32_t>(matches(sums.history));
   return sums;
 }
 
@@ -347,7 +352,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const CpuTimer timer(result_.times.solve);
     const Evaluation sums = measure(x, j == 0, past, context);
     result_.iterations = j + 1;
-    if (static_cast<std::int64_t>(sums.fresh.accepted) < params_.min_matches) return refuse(UpdateStatus::few_matches);
+    if (matches(sums.fresh) < params_.min_matches) return refuse(UpdateStatus::few_matches);
     const Normal normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
@@ -444,18 +449,11 @@ void Ieskf::record_residuals() {
   place(fresh_, state_);
   residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, params_.sigma, fresh_.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-  double squares = 0;
-  std::size_t accepted = 0;
   for (std::size_t row = 0; row < fresh_.rows.size(); ++row) {
-    const ResidualRow& z = fresh_.rows[row];
-    if (z.information <= 0.0 || !gate_.passes(z.r, fresh_.range[row / rows_per_match])) continue;
-    squares += z.r * z.r;
-    ++accepted;
-    MatchRecord& record = records_[row / rows_per_match];
-    record.accepted = true;
-    record.residual = static_cast<float>(z.r);
+    ResidualRow& z = fresh_.rows[row];
+    if (!gate_.passes(z.r, fresh_.range[row / rows_per_match])) z.information = 0;
   }
-  if (accepted > 0) result_.residual_rms = std::sqrt(squares / static_cast<double>(accepted));
+  record_matches(fresh_.rows, rows_per_match, records_, result_.residual_rms);
 }
 
 void Ieskf::finish() {
@@ -467,10 +465,11 @@ void Ieskf::finish() {
   const CpuTimer timer(result_.times.solve);
   trajectory_.correct(state_.pose());
   frame_.place(trajectory_);
-  records_.assign(fresh_.body.size(), MatchRecord{});
   if (result_.accepted) {
     record_residuals();
     if (!residual_->surfaces_from_map()) result_.neighbours = &fresh_.neighbours;
+  } else {
+    records_.assign(fresh_.body.size(), MatchRecord{});
   }
   states_.back() = state_;
   result_.state = state_;

@@ -115,6 +115,7 @@ class Ieskf final : public Estimator {
   void load_fresh();
   void retrace(const NavState& at);
   void follow(const NavState& at);
+  std::int64_t matches(const WindowInformation& sum) const;
   Evaluation measure(const NavState& at, bool first, const HistorySelection& past, const StepContext& context);
   double innovation_per_match(const WindowInformation& fresh) const;
   Normal assemble(const Evaluation& sums, double history_weight) const;

@@ -87,11 +87,12 @@ void PointMatches::load(const HistorySelection& past, const Pose& prior) {
   }
 }
 
-std::size_t PointMatches::record(std::size_t rows_per_match, std::vector<MatchRecord>& out, double& rms) const {
-  out.assign(body.size(), MatchRecord{});
+std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_per_match, std::vector<MatchRecord>& out,
+                           double& rms) {
+  out.assign(rows.size() / rows_per_match, MatchRecord{});
   double squares = 0;
   std::size_t accepted = 0;
-  for (std::size_t i = 0; i < body.size(); ++i) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
     double own = 0, last = 0;
     for (std::size_t row = i * rows_per_match; row < (i + 1) * rows_per_match; ++row) {
       if (rows[row].information <= 0.0) continue;

@@ -26,6 +26,11 @@ bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const Wind
 /// was seen of a direction.
 Mat6 bounded_covariance(const Mat6& information);
 
+/// What became of every match, given its rows of the last evaluation, and the root mean square of |r| over those with a
+/// row that takes part [m]. Returns how many they are. Pre: rows_per_match rows of each, in order.
+std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_per_match, std::vector<MatchRecord>& out,
+                           double& rms);
+
 struct PointMatches {
   std::vector<Vec3> body, world;  ///< at the end of the window; where the iterate places them
   std::vector<float> range;       ///< |p_L| [m]
@@ -46,8 +51,10 @@ struct PointMatches {
   void place(const Pose& T);
   /// The points of a history, seen from `prior`; they keep their place in it (eq. HIS-1).
   void load(const HistorySelection& past, const Pose& prior);
-  /// Matches with a row that takes part, and the root mean square of |r| over them [m].
-  std::size_t record(std::size_t rows_per_match, std::vector<MatchRecord>& out, double& rms) const;
+  /// record_matches() of the last rows.
+  std::size_t record(std::size_t rows_per_match, std::vector<MatchRecord>& out, double& rms) const {
+    return record_matches(rows, rows_per_match, out, rms);
+  }
 };
 
 }  // namespace aslio::plugins

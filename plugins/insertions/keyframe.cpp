@@ -9,7 +9,9 @@ void InsertKeyframe::describe(config::Binder& b, Params& p) {
 
 InsertCount InsertKeyframe::apply(const Window& window, const Update& update, Map& map) {
   const Pose pose = update.state.pose();
-  const bool enough = !begun_ || update.restart_map || (pose.p - last_.p).norm() >= params_.distance ||
+  // An empty map holds the run up: without points (a covered lens) the first window was no keyframe.
+  const bool enough = !begun_ || map.size() == 0 || update.restart_map ||
+                      (pose.p - last_.p).norm() >= params_.distance ||
                       log_so3(last_.R.transpose() * pose.R).norm() >= params_.turn;
   if (!enough) return {update.points(Tap::map).size(), 0};
   begun_ = true;

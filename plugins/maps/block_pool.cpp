@@ -5,7 +5,7 @@
 namespace aslio::plugins {
 
 BlockPool::BlockPool(std::size_t max_points) {
-  // 8, 16, 24, 32, 48, 64, 96, ..: at most a third of a chunk is empty once it has grown beyond the first.
+  // 8, 16, 24, 32, 48, 64, 96, ..: less than half of a chunk is empty once it has grown beyond the first.
   for (std::uint32_t step = 8, capacity = 8;; capacity += step) {
     sizes_.push_back({capacity, {}});
     if (capacity >= max_points) break;

@@ -32,14 +32,18 @@ bool SegmentSchedule::anticipate(std::optional<double> overlap) {
 
 void SegmentSchedule::limit(std::int64_t n) {
   n_limit_ = std::clamp(n, n_least_, n_most_);
-  if (n_ > n_limit_) arm(n_limit_);
+  if (n_ <= n_limit_) return;
+  n_ = n_limit_;
+  echo_ = std::min(echo_, held());  // a limit is no new fall of the overlap: it prolongs no echo
 }
 
 void SegmentSchedule::restart() { arm(n_least_); }
 
 void SegmentSchedule::arm(std::int64_t n) {
   n_ = n;
-  echo_ = holds_ && n > 2 ? n : 1;
+  echo_ = held();
 }
+
+std::int64_t SegmentSchedule::held() const { return holds_ && n_ > 2 ? n_ : 1; }
 
 }  // namespace aslio::plugins

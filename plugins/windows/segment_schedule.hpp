@@ -54,6 +54,8 @@ class SegmentSchedule {
 
  private:
   void arm(std::int64_t n);
+  /// Updates for which the present n is held.
+  std::int64_t held() const;
 
   double seg_step_;
   std::int64_t n_least_, n_most_;

@@ -55,6 +55,26 @@ struct Watched {
   std::vector<pipeline::UpdateRecord> updates;
 };
 
+/// What the history lends after the map began anew.
+class AfterRestarts final : public Observer {
+ public:
+  void before(const std::string&) override {}
+  void after(const std::string&) override {}
+  void on_select(const HistorySelection& past) override {
+    for (const HistoryPoint& p : past.points) (p.sequence < restarted_ ? of_before : of_after) += 1;
+  }
+  void on_insert(const Window& window, const Update& update) override {
+    if (!update.restart_map) return;
+    restarted_ = window.sequence;
+    ++restarts;
+  }
+
+  std::size_t restarts = 0, of_before = 0, of_after = 0;
+
+ private:
+  std::uint32_t restarted_ = 0;
+};
+
 /// Takes 10 ms of CPU in every call of one name.
 class Burner final : public Observer {
  public:
@@ -115,6 +135,22 @@ TEST_CASE("a refused step forgets the history, and inserts only while dead recko
   }
   CHECK(inserted >= 4);
   CHECK(refused >= 2);
+}
+
+TEST_CASE("what was placed before the map began anew is not matched against it") {
+  const simulator::AnalyticWorld world({.duration_scale = 0.5});
+  const auto source = world.source();
+  AfterRestarts observer;
+  const plugin::Catalog catalog = spied(built_in_stages(), observer);
+  Run run(shipped("as_lio",
+                  {"window={type: fixed, period: 0.02, frame_length: 0.1}", "history={type: full}",
+                   "initialisation.mode=dynamic"},
+                  catalog),
+          world.sensor());
+  run.play(record(*source, world.begin_time() + to_ns(1.5)));
+  CHECK(observer.restarts > 5);
+  CHECK(observer.of_after > 10000);
+  CHECK(observer.of_before == 0);
 }
 
 TEST_CASE("what the overlap learns is on its account, what enters the map on the map's") {

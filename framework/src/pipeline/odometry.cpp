@@ -65,6 +65,8 @@ class Odometry::Loop {
     }
     if (update.insert) insert(window, update, record);
     if (update.accepted || update.status == UpdateStatus::initialising) {
+      // What was placed before the map began anew must not be matched against it.
+      if (update.restart_map) stages_.history->reset();
       stages_.history->commit(window, update);
     } else {
       stages_.history->reset();

@@ -39,3 +39,14 @@ TEST_CASE("keyframe: an update enters a metre or 0.2 rad after the last that did
   update.restart_map = false;
   CHECK_FALSE(enters(1.02, 0.21));
 }
+
+TEST_CASE("keyframe: while the map is empty every update is one") {
+  BuildEnvironment environment;
+  plugins::InsertKeyframe insertion({}, environment.context());
+  RecordingMap map;
+  Update update;
+  CHECK(insertion.apply(window_of(1, 1, 1, 2), update, map).offered == 0);  // a covered lens
+  const std::vector<WorldPoint> points(7);
+  update.map_points = points;
+  CHECK(insertion.apply(window_of(2, 2, 2, 3), update, map).inserted > 0);
+}

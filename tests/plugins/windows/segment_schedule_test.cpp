@@ -155,6 +155,20 @@ TEST_CASE("a limit takes n down at once, whoever asks for more, and lets it rise
   CHECK(schedule.echo() == 1);
 }
 
+TEST_CASE("a limit that comes down while an echo runs out does not begin another") {
+  SegmentSchedule schedule(0.1, 2, 25, Recover::step);
+  schedule.observe(0.2);  // 9
+  for (int i = 0; i < 7; ++i) schedule.observe(1.0);
+  REQUIRE(schedule.n() == 9);
+  REQUIRE(schedule.echo() == 2);
+  schedule.limit(8);
+  CHECK(schedule.n() == 8);
+  CHECK(schedule.echo() == 2);
+  schedule.observe(1.0);
+  schedule.observe(1.0);
+  CHECK(schedule.n() == 2);
+}
+
 TEST_CASE("ramp: n falls by one per echo, never below what the overlap asks for") {
   SegmentSchedule schedule(0.1, 2, kNoLimit, Recover::ramp);
   schedule.observe(0.55);

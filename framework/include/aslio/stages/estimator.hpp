@@ -45,7 +45,7 @@ class TrajectoryModel {
 /// A match of a fresh point in the last association: position in Update::points(Tap::match), and its neighbours.
 struct MatchRecord {
   bool accepted = false;
-  float residual = 0;  ///< signed z at the posterior [m]
+  float residual = 0;  ///< signed z at the posterior [m]; of several rows, the length of their vector
 };
 
 /// Where an estimator that smooths holds points of earlier updates now.

@@ -31,9 +31,10 @@ struct HistorySelection {
   HistoryCovariance covariance = HistoryCovariance::joseph;
 };
 
-/// Contract. select() gives the history of a window; commit() stores the fresh points of an accepted update (each
-/// once); reset() forgets all after a refused one. weight() is asked by the estimator once per iteration with the
-/// numbers of accepted residuals. Not thread-safe. No allocation after warm-up.
+/// Contract. select() gives the history of a window; commit() stores the fresh points of an accepted update, or
+/// of the first window (each once); reset() forgets all, after a refused update and before that of one which begins the
+/// map anew (Update::restart_map). weight() is asked by the estimator once per iteration with the numbers of accepted
+/// residuals. Not thread-safe. No allocation after warm-up.
 class HistoryPolicy : public Stage {
  public:
   static constexpr std::string_view family = "histories";

@@ -26,7 +26,8 @@ class OverlapMetric : public Stage {
   /// The points, in order of time, become known at `t`. Each counts from its own time + `delay` on, and not before `t`;
   /// a time outside those of its frame is taken as the nearer end.
   virtual void extend(std::span<const WorldPoint> points, TimeNs t) = 0;
-  /// Forget what lies farther than `radius` [m] from `centre_W`; amortised, may keep up to one coarse cell more.
+  /// Forget what lies farther than `radius` [m] from `centre_W`; amortised: what lies farther may stay until
+  /// the centre has moved by a tenth of the radius, and in the corners of the cube around it.
   virtual void trim(const Vec3& centre_W, double radius) = 0;
   /// Forgets everything, as if nothing had been extended.
   virtual void clear() = 0;
