@@ -105,6 +105,21 @@ TEST_CASE("point clouds with times run") {
   CHECK(ended.code == 0);
 }
 
+TEST_CASE("a LiDAR that falls silent before the IMU does is no run that covers its data") {
+  const Bench bench(Recording{.blind_from = 0.8, .blind_until = 9});
+  const Ended soon = bench.run("soon", {});  // 1.2 s: what a recorder leaves at its end
+  INFO(soon.err);
+  CHECK(soon.code == 0);
+  const Json told = summary(bench / "soon");
+  CHECK(told.at("status") == "degraded");
+  CHECK_THAT(told.at("reason").get<std::string>(), Contains("s without points"));
+  CHECK(told.at("longest_lidar_gap_s").get<double>() == Approx(1.2).margin(0.15));
+  CHECK(told.at("coverage") == 1.0);
+  const Ended lost = bench.run("lost", {"--set", "max_gap=0.5"});
+  CHECK(lost.code == 1);
+  CHECK_THAT(lost.err, Contains("of the data, less than 95 %"));
+}
+
 TEST_CASE("points that are not numbers are dropped and counted") {
   const Bench bench(Recording{.nan_every = 2});
   const Ended ended = bench.run("out");

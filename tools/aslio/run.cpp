@@ -114,11 +114,15 @@ int run_pipeline(const Arguments& a, const CLI::App& app, const std::vector<std:
   const auto result = experiment::run(options, stages.catalog, display, make_logger(a.quiet));
   display.clear();
   const int code = exit_code(result);
-  const std::string& no_figures = result.summary.evaluation_error;
-  if (!no_figures.empty()) complain(fmt::format("--reference {}: {}", options.reference->string(), no_figures));
-  if (code != kSuccess && no_figures.empty()) {
-    complain(fmt::format("{}: {}: {}", options.input.string(), pipeline::name(result.summary.status),
-                         result.summary.reason));
+  for (const std::string& warning : result.late_warnings) tell("warning: " + warning);
+  const experiment::Summary& summary = result.summary;
+  const bool ended_well = summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded;
+  if (!ended_well) {
+    complain(fmt::format("{}: {}: {}", options.input.string(), pipeline::name(summary.status), summary.reason));
+  }
+  // Of a run that came to nothing the first error is reason enough.
+  if (!summary.evaluation_error.empty() && (ended_well || summary.accepted > 0)) {
+    complain(fmt::format("--reference {}: {}", options.reference->string(), summary.evaluation_error));
   }
   if (!a.quiet) print(report(result.summary, a.output));
   return code;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <string>
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
@@ -32,7 +34,12 @@ double process_cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+/// Of this program image: what getrusage tells survives exec, and so is that of whoever started the program, if larger.
 double peak_rss_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) * 1024e-6;
+  }
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;
@@ -197,7 +204,6 @@ class Loop {
     while (!(outcome.interrupted = monitor_.stop_requested())) {
       auto measurement = source_.next();
       if (!measurement) break;
-      collector_.on_arrival(*measurement, odometry_.stream());
       odometry_.push(std::move(*measurement));
       outputs_.raise();
       feed_.after_measurement();
@@ -290,6 +296,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const auto source = open_source(options, prepared, manifest);
 
   monitor.on_start(source->notes());
+  const std::vector<std::string> told = source->notes().warnings;
   RunResult result;
   Summary& summary = result.summary;
   const auto start = Clock::now();
@@ -298,7 +305,8 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   Loop loop(*source, odometry, *outputs, monitor, watched);
   RunOutcome outcome = loop.run();
   const bool whole = !outcome.interrupted && !outcome.failure && !outcome.divergence;
-  loop.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time());
+  loop.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time(),
+                        to_ns(prepared.pipeline.value.limits.max_gap));
   gather(summary, odometry, *source);
   loop.close_outputs(outcome);
   summary.cpu_s = process_cpu_seconds() - cpu_start;
@@ -312,6 +320,9 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   judge(summary, outcome);
   if (prepared.reference) mark_failure(summary, loop.collector(), *prepared.reference, loop.was_ended());
   result.bad_data = blames_data(summary, loop.bad_data());
+  for (const std::string& warning : source->notes().warnings) {
+    if (std::find(told.begin(), told.end(), warning) == told.end()) result.late_warnings.push_back(warning);
+  }
 
   write_file(options.output / "resolved.yaml", prepared.pipeline.resolved);
   write_file(options.output / "manifest.json", to_json(manifest, options));

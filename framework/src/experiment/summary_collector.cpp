@@ -16,21 +16,6 @@ std::optional<RateRange> rates(std::vector<TimeNs> steps) {
   return RateRange{1.0 / to_seconds(steps.back()), 1.0 / median, 1.0 / to_seconds(steps.front())};
 }
 
-/// Time of the first point that comes after `last`.
-TimeNs first_after(const LidarPacket& packet, TimeNs last) {
-  TimeNs first = kTimeMax;
-  for (const TimedPoint& p : packet.points) {
-    if (p.t > last) first = std::min(first, p.t);
-  }
-  return first;
-}
-
-/// Takes a step into account as far as the stream believes it.
-void widen(TimeNs& gap, TimeNs last, TimeNs next) {
-  if (last == kTimeMin || next <= last || !stream::sane_stamp(next)) return;
-  if (const TimeNs step = next - last; step <= stream::kMaxStepAhead) gap = std::max(gap, step);
-}
-
 }  // namespace
 
 void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
@@ -68,12 +53,6 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
   }
 }
 
-void SummaryCollector::on_arrival(const Measurement& measurement, const stream::MeasurementStream& stream) {
-  if (const auto* imu = std::get_if<ImuSample>(&measurement)) return widen(imu_gap_, stream.last_imu(), imu->t);
-  const TimeNs last = stream.last_point();
-  widen(point_gap_, last, first_after(std::get<LidarPacket>(measurement), last));
-}
-
 std::optional<TimeNs> SummaryCollector::lost_at(TimeNs end) const {
   std::optional<TimeNs> silent = silent_from_;
   if (!last_accepted_) {
@@ -85,8 +64,8 @@ std::optional<TimeNs> SummaryCollector::lost_at(TimeNs end) const {
   return silent ? silent : not_finite_;
 }
 
-void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& stream,
-                            std::optional<TimeNs> data_end) const {
+void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& stream, std::optional<TimeNs> data_end,
+                            TimeNs max_gap) const {
   summary.counters = stream.counters();
   summary.updates = updates_;
   summary.weak_share = windows_ > 0 ? to_seconds(weak_) / to_seconds(windows_) : 0.0;
@@ -95,20 +74,24 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
   summary.accepted = accepted_;
   summary.matchable_points = matchable_points_;
   summary.refused_after_accepted = refused_after_accepted_;
-  summary.longest_imu_gap_s = to_seconds(imu_gap_);
-  summary.longest_lidar_gap_s = to_seconds(point_gap_);
   summary.rate_hz = rates(steps_);
   for (std::size_t i = 1; i < poses_.size(); ++i) {
     summary.path_length_m += (poses_[i].T.p - poses_[i - 1].T.p).norm();
   }
   if (!poses_.empty()) summary.end_to_end_m = (poses_.back().T.p - poses_.front().T.p).norm();
+  // By how much the IMU outlasts the points; of a run that stopped early it says nothing.
+  const bool told = !data_end && stream.first_point() && stream.first_imu();
+  const TimeNs outlasted = told ? stream.last_imu() - stream.last_point() : 0;
+  summary.longest_imu_gap_s = to_seconds(std::max(summary.counters.longest_imu_step, -outlasted));
+  summary.longest_lidar_gap_s = to_seconds(std::max(summary.counters.longest_point_step, outlasted));
   const auto first = stream.first_point();
   if (!first) return;
   summary.data_s = to_seconds(stream.last_point() - *first);
   if (!first_begin_) return;
   TimeNs covered = covered_;
   if (*first_begin_ - *first <= kInitialisationGrace) covered += std::max<TimeNs>(*first_begin_ - *first, 0);
-  const TimeNs extent = std::max(data_end.value_or(kTimeMin), stream.last_point()) - *first;
+  const TimeNs end = stream.last_point() + (outlasted > max_gap ? outlasted : 0);
+  const TimeNs extent = std::max(data_end.value_or(kTimeMin), end) - *first;
   summary.coverage = extent > 0 ? std::clamp(to_seconds(covered) / to_seconds(extent), 0.0, 1.0) : 0.0;
 }
 

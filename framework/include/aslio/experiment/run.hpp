@@ -59,7 +59,8 @@ class RunMonitor {
 
 struct RunResult {
   Summary summary;
-  bool bad_data = false;  ///< the status is due to what was read or could not be written
+  bool bad_data = false;                   ///< the status is due to what was read or could not be written
+  std::vector<std::string> late_warnings;  ///< of the input, found after RunMonitor::on_start()
 };
 
 /// Runs and writes all files of `options.output`, each of which appears whole or not at all and replaces that of an

@@ -72,12 +72,11 @@ bool is_weak(UpdateStatus status);
 class SummaryCollector final : public pipeline::UpdateObserver {
  public:
   void on_update(const pipeline::UpdateRecord& record) override;
-  /// Watches for gaps; to be called before the stream takes the measurement.
-  void on_arrival(const Measurement& measurement, const stream::MeasurementStream& stream);
-
   /// Fills everything that follows from updates and stream. `data_end` is where the data would have ended, for a run
-  /// that stopped early.
-  void fill(Summary& summary, const stream::MeasurementStream& stream, std::optional<TimeNs> data_end) const;
+  /// that stopped early. A sensor that falls silent before the other one ends has a gap there; where the points end
+  /// more than `max_gap` [ns] before the IMU does, that time is not covered.
+  void fill(Summary& summary, const stream::MeasurementStream& stream, std::optional<TimeNs> data_end,
+            TimeNs max_gap) const;
 
   /// The first moment at which the run was lost by itself: its state was not finite, or no update was accepted for more
   /// than kMostSilence. `end`: of what it should have covered.
@@ -93,7 +92,6 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0;
   TimeNs covered_ = 0;
   std::optional<TimeNs> first_begin_;
-  TimeNs imu_gap_ = 0, point_gap_ = 0;
   bool refused_after_accepted_ = false;
   std::optional<TimeNs> first_end_, last_accepted_, silent_from_, not_finite_;
   TimeNs weak_ = 0, windows_ = 0;  ///< time of the fresh intervals of weak updates, and of all
