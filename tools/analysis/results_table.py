@@ -214,8 +214,8 @@ def listed(folder):
         revision = re.search(r"Revision ([^.]*)\.", extent)
         question = parts[1].replace("\n", " ") if len(parts) > 1 else ""
         lines.append([f"[{page.stem}]({page.name})", question, runs, revision.group(1) if revision else ""])
-    return ("# Studies\n\nThe tables of every study, made by `tools/analysis/results_table.py`; what they say is read in "
-            "[results.md](../results.md) and [ablations.md](../ablations.md).\n\n"
+    return ("# Studies\n\nA page per study, made by `tools/analysis/results_table.py`: question, command, verdict, tables. What they say is "
+            "read in [results.md](../results.md) and [ablations.md](../ablations.md).\n\n"
             + markdown_table(["study", "question", "runs", "revision"], lines) + "\n")
 
 
