@@ -49,7 +49,7 @@ void Recording::write(const std::filesystem::path& path) const {
   const int samples = static_cast<int>(seconds * 100);
   for (int i = 0; i < samples; ++i) {
     const TimeNs stamp = kStart + i * kSecond / 100;
-    rosbag::encode_imu({static_cast<std::uint32_t>(i), stamp, "imu"}, gyro, acc, bytes);
+    rosbag::encode_imu({static_cast<std::uint32_t>(i), stamp, "imu"}, turn ? turn(i) : gyro, acc, bytes);
     bag.write(imu_id, stamp, bytes);
     if (i % 10 != 0) continue;
     bytes = lidar ? lidar(i / 10, stamp) : livox_message(stamp, stamp + timebase_shift, points);

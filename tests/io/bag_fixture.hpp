@@ -36,6 +36,8 @@ struct Recording {
   TimeNs timebase_shift = 0;
   /// Replaces the LiDAR message of sweep `k`; null: a Livox message.
   std::function<std::vector<std::uint8_t>(int k, TimeNs stamp)> lidar;
+  /// Replaces the angular rate of IMU sample `i`; null: `gyro`.
+  std::function<Vec3(int i)> turn;
 
   void write(const std::filesystem::path& path) const;
 };

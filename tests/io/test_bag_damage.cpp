@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <random>
@@ -101,6 +103,41 @@ TEST_CASE("a truncated bag still plays as a source") {
   CHECK(counts.imu < 150);
   CHECK(source->status() == InputStatus::truncated);
   CHECK(contains(source->notes().warnings, "cut short"));
+}
+
+TEST_CASE("a bag cut inside its first chunk is refused for that, not for a topic that it lacks") {
+  const auto compression = GENERATE(rosbag::Compression::none, rosbag::Compression::lz4);
+  TemporaryFolder folder;
+  Recording recording = small(compression, true);
+  recording.options.chunk_bytes = 1U << 20U;
+  recording.write(folder / "whole.bag");
+  const auto bytes = read_bytes(folder / "whole.bag");
+  constexpr std::size_t kFirstRecord = 4096 + 13;
+  SensorConfig sensor;
+  sensor.lidar_topic = recording.lidar_topic;
+  const auto cut_at = [&](std::size_t size) {
+    write_bytes(folder / "cut.bag", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+    return data_error([&] { open_source(folder / "cut.bag", sensor); });
+  };
+  std::size_t played = 0;
+  for (std::size_t size = kFirstRecord; size <= bytes.size(); size += 7) {
+    const std::string error = cut_at(size);
+    played += error.empty() ? 1 : 0;
+    if (error.empty()) continue;
+    INFO(error);
+    REQUIRE(contains(error, fmt::format("cut.bag: the file is cut short at {} bytes, before", size)) !=
+            contains(error, fmt::format("; the file is cut short at {} bytes: ", size)));
+    REQUIRE(contains(error, "copy it again from its origin"));
+  }
+  CHECK(played > 0);
+  for (const std::size_t size : {kFirstRecord, kFirstRecord + 30, kFirstRecord + 300}) {
+    const std::string error = cut_at(size);
+    CHECK(contains(error, "before its first whole message; copy it again from its origin"));
+    CHECK_FALSE(contains(error, "(none)"));
+    const InputReport report = inspect(folder / "cut.bag", sensor);
+    CHECK(report.status == InputStatus::truncated);
+    CHECK(report.reason == error);
+  }
 }
 
 TEST_CASE("flipped bits never crash the reader nor fill the memory") {

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <random>
 
@@ -79,6 +80,38 @@ TEST_CASE("a file that tells that others are whole is on the disk before it has 
   CHECK(entries(folder.path()) == 1);
   AtomicFile device("/dev/null");
   CHECK_NOTHROW(device.close_durably());
+}
+
+TEST_CASE("what a killed process left is removed by the next to write that name, once it is old") {
+  const TemporaryFolder folder;
+  const auto leave = [&](const std::string& name, int hours) {
+    std::ofstream(folder / name) << "half";
+    const auto then = std::filesystem::file_time_type::clock::now() - std::chrono::hours(hours);
+    std::filesystem::last_write_time(folder / name, then);
+    return folder / name;
+  };
+  // No process has the first number.
+  const std::string dead = "2147483647", own = std::to_string(::getpid());
+  const std::vector<std::filesystem::path> gone{leave("a.txt." + dead + "-0.part", 2),
+                                                leave("a.txt." + dead + "-17.part", 2)};
+  std::vector<std::filesystem::path> stay{leave("a.txt." + dead + "-1.part", 0),   // of another machine, perhaps
+                                          leave("a.txt." + own + "-7.part", 2),    // its process lives
+                                          leave("b.txt." + dead + "-0.part", 2)};  // of another file
+  // Names that no AtomicFile of a.txt gives.
+  for (const std::string& name :
+       {"b." + dead + "-0.part", dead + "-0.part.bak", dead + "-0x.part", dead + ".part", "-" + dead + "-0.part",
+        "0" + dead + "-0.part", std::string("99999999999999-0.part"), std::string("part")}) {
+    stay.push_back(leave("a.txt." + name, 2));
+  }
+  AtomicFile file(folder / "a.txt");
+  file.write("whole");
+  file.close();
+  CHECK(text_of(folder / "a.txt") == "whole");
+  for (const auto& path : gone) CHECK_FALSE(std::filesystem::exists(path));
+  for (const auto& path : stay) {
+    INFO(path);
+    CHECK(std::filesystem::exists(path));
+  }
 }
 
 TEST_CASE("a full disk and an unwritable folder are errors that name the path") {

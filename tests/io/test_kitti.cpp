@@ -145,6 +145,35 @@ TEST_CASE("missing and damaged files of a drive") {
   CHECK(contains(data_error([&] { open_source(folder.path() / "2011_09_26" / "..", {}); }), "timestamps.txt:2"));
 }
 
+TEST_CASE("a folder in the place of a scan is an error that names it") {
+  TemporaryFolder folder;
+  const fs::path drive = write_drive(folder.path());
+  const fs::path scan = drive / "velodyne_points/data/0000000003.bin";
+  fs::remove(scan);
+  fs::create_directory(scan);
+  const std::string expected = scan.string() + ": cannot be read as a scan (Is a directory); ";
+  CHECK(contains(data_error([&] { drain(*open_source(drive, calibrated())); }), expected));
+  CHECK(contains(data_error([&] { inspect(drive); }), expected));
+}
+
+TEST_CASE("the angular rates of a whole drive are judged") {
+  TemporaryFolder folder;
+  const fs::path drive = write_drive(folder.path());
+  const auto turn = [&](double rate) {
+    std::ofstream packet(drive / "oxts" / "data" / "0000000004.txt");
+    for (int column = 0; column < 30; ++column) packet << (column == 13 ? 9.8 : column == 17 ? rate : 0.0) << ' ';
+  };
+  SensorConfig sensor = calibrated();
+  sensor.gyro_unit = GyroUnit::deg_s;
+  CHECK_FALSE(contains(open_source(drive, sensor)->notes().warnings, "gyro_unit"));
+  turn(1.2);
+  CHECK(contains(open_source(drive, sensor)->notes().warnings, "gyro_unit is deg_s, but nothing"));
+  CHECK(contains(inspect(drive, sensor).warnings, "gyro_unit is deg_s, but nothing"));
+  turn(90);
+  CHECK_FALSE(contains(open_source(drive, sensor)->notes().warnings, "gyro_unit"));
+  CHECK(contains(open_source(drive, calibrated())->notes().warnings, "1 sample(s) turn faster than"));
+}
+
 TEST_CASE("inspection of a drive") {
   TemporaryFolder folder;
   const InputReport report = inspect(write_drive(folder.path()), calibrated());

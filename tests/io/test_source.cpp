@@ -7,6 +7,28 @@
 #include "io/bag_fixture.hpp"
 
 namespace aslio::io::test {
+namespace {
+
+/// A Livox message whose offsets go from 0 to `span` ns.
+std::vector<std::uint8_t> spanning(TimeNs stamp, TimeNs span, int points = 20) {
+  std::vector<rosbag::LivoxPoint> cloud(static_cast<std::size_t>(points), {0, 5, 0, 0, 10, 0x10, 0});
+  for (int i = 0; i < points; ++i) {
+    cloud[static_cast<std::size_t>(i)].offset_time = static_cast<std::uint32_t>(span * i / (points - 1));
+  }
+  std::vector<std::uint8_t> out;
+  rosbag::encode_livox({0, stamp, ""}, stamp, 0, cloud, out);
+  return out;
+}
+
+/// A message that claims more points than it has.
+std::vector<std::uint8_t> claims_more(TimeNs stamp) {
+  auto bytes = livox_message(stamp, stamp, 20);
+  const std::uint32_t many = 1'000'000;
+  std::memcpy(bytes.data() + 4 + 8 + 4 + 11 + 8 + 4 + 4, &many, 4);
+  return bytes;
+}
+
+}  // namespace
 
 TEST_CASE("livox messages of either package are read alike") {
   const auto type = GENERATE(as<const rosbag::MessageType*>{}, &rosbag::kLivoxCustomMsg, &rosbag::kLivox2CustomMsg);
@@ -178,24 +200,84 @@ TEST_CASE("empty and one-point scans are delivered, zero times are refused") {
   CHECK(drain(*open_source(folder / "b.bag", lenient)).points == 200);
 }
 
+TEST_CASE("livox offsets of another unit are refused, or left alone when that is asked for") {
+  const auto error = [](TimeNs span, double seconds = 2, const SensorConfig& sensor = {}) {
+    TemporaryFolder folder;
+    Recording recording;
+    recording.seconds = seconds;
+    recording.lidar = [span](int, TimeNs stamp) { return spanning(stamp, span); };
+    recording.write(folder / "a.bag");
+    const std::string text = data_error([&] { open_source(folder / "a.bag", sensor); });
+    const InputReport report = inspect(folder / "a.bag", sensor);
+    CHECK(report.usable == text.empty());
+    REQUIRE(report.topics.size() == 2);
+    CHECK(report.topics[1].problem == text);
+    return text;
+  };
+  const std::string micro = error(100'000);
+  CHECK(contains(micro,
+                 "/livox/lidar: the time of the points cannot be known: the first 10 messages span at most 0.0001 s "
+                 "where `sweep_period` is 0.1 s (is offset_time in microseconds?)"));
+  CHECK(contains(micro, "require_point_times: false"));
+  CHECK(contains(error(100'000, 0.05), "the first message spans 0.0001 s where"));
+  CHECK(contains(error(100'000, 0.5), "the first 5 messages span at most"));
+  CHECK(contains(error(100), "is offset_time in milliseconds?"));
+  SensorConfig quick;
+  quick.model.sweep_period = 0.001;
+  CHECK(contains(error(99'000'000, 2, quick), "is offset_time in ns, and `sweep_period` right?"));
+  // Drivers send 10 ms at a time, too.
+  CHECK(error(10'000'000).empty());
+  CHECK(error(5'000'000).empty());
+
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar = [](int, TimeNs stamp) { return spanning(stamp, 100'000); };
+  recording.write(folder / "a.bag");
+  SensorConfig lenient;
+  lenient.require_point_times = false;
+  const auto source = open_source(folder / "a.bag", lenient);
+  CHECK(contains(source->notes().warnings, "all points take the time base, no motion correction"));
+  std::size_t packets = 0;
+  while (const auto measurement = source->next()) {
+    const auto* packet = std::get_if<LidarPacket>(&*measurement);
+    if (packet == nullptr) continue;
+    ++packets;
+    REQUIRE(packet->points.size() == 20);
+    CHECK(packet->points.back().t == packet->stamp);
+  }
+  CHECK(packets == 20);
+}
+
+TEST_CASE("first livox messages that are cut off or malformed do not speak for the topic") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar = [](int k, TimeNs stamp) {
+    return k == 1 ? claims_more(stamp) : spanning(stamp, k < 4 ? 300'000 : 99'000'000);
+  };
+  recording.write(folder / "a.bag");
+  const auto source = open_source(folder / "a.bag", {});
+  CHECK(contains(source->notes().verdicts, "livox offset_time, ns from the time base (0.000000 to 0.099000 s)"));
+  CHECK(drain(*source).packets == 19);
+  // Fewer points than tell: nothing is refused for them, and it is said.
+  recording.lidar = [](int, TimeNs stamp) { return spanning(stamp, 100'000, 5); };
+  recording.write(folder / "b.bag");
+  CHECK(contains(open_source(folder / "b.bag", {})->notes().warnings, "no message has enough returns to judge"));
+}
+
 TEST_CASE("malformed messages are skipped and counted, a malformed first one is refused") {
   TemporaryFolder folder;
-  const auto claims_more = [](TimeNs stamp) {
-    auto bytes = livox_message(stamp, stamp, 20);
-    const std::uint32_t many = 1'000'000;
-    std::memcpy(bytes.data() + 4 + 8 + 4 + 11 + 8 + 4 + 4, &many, 4);
-    return bytes;
-  };
   Recording recording;
-  recording.lidar = [&](int k, TimeNs stamp) {
+  recording.lidar = [](int k, TimeNs stamp) {
     return k == 5 || k == 6 ? claims_more(stamp) : livox_message(stamp, stamp, 20);
   };
   recording.write(folder / "a.bag");
   const auto source = open_source(folder / "a.bag", {});
+  CHECK(source->notes().malformed == 0);
   CHECK(drain(*source).packets == 18);
+  CHECK(source->notes().malformed == 2);
   CHECK(contains(source->notes().warnings, "2 malformed message(s) skipped"));
   CHECK(contains(source->notes().warnings, "claims 1000000 points"));
-  recording.lidar = [&](int, TimeNs stamp) { return claims_more(stamp); };
+  recording.lidar = [](int, TimeNs stamp) { return claims_more(stamp); };
   recording.write(folder / "b.bag");
   CHECK(contains(data_error([&] { open_source(folder / "b.bag", {}); }), "first message cannot be decoded"));
 }
@@ -258,6 +340,23 @@ TEST_CASE("inspection counts gaps and backward stamps") {
   CHECK(report.topics[0].repeated == 1);
   CHECK(report.topics[0].largest_gap == Approx(0.5));
   CHECK_FALSE(report.usable);
+}
+
+TEST_CASE("inspection counts empty and malformed messages") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.lidar = [](int k, TimeNs stamp) {
+    return k == 5 ? claims_more(stamp) : livox_message(stamp, stamp, k == 3 || k == 4 ? 0 : 20);
+  };
+  recording.write(folder / "a.bag");
+  const InputReport report = inspect(folder / "a.bag");
+  REQUIRE(report.topics.size() == 2);
+  CHECK(report.topics[1].empty == 2);
+  CHECK(report.topics[1].malformed == 1);
+  const std::string text = render(report);
+  CHECK(contains(text, "  2 messages without a point that is kept\n"));
+  CHECK(contains(text, "  1 malformed messages\n"));
+  CHECK(report.usable);
 }
 
 TEST_CASE("the digest depends on every byte") {

@@ -37,6 +37,30 @@ Judged judge(const Vec3& acc, const Vec3& gyro, AccUnit acc_unit, GyroUnit gyro_
 
 const Vec3 kSlow(0.1, 0, 0);
 
+struct Whole {
+  SourceNotes first, last;  ///< once opened, once read
+  std::string inspected;
+};
+
+/// Of a recording that stands still, with its rate at 0.01, longer than units are judged at the start, then turns.
+Whole read_whole(GyroUnit declared, double fastest, int samples = 100) {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.seconds = 8;
+  recording.turn = [=](int i) { return Vec3(i >= 600 && i < 600 + samples ? fastest : 0.01, 0, 0); };
+  recording.write(folder / "a.bag");
+  SensorConfig sensor;
+  sensor.gyro_unit = declared;
+  const auto source = open_source(folder / "a.bag", sensor);
+  Whole whole;
+  whole.first = source->notes();
+  drain(*source);
+  CHECK_FALSE(source->next());  // the end may be asked for again
+  whole.last = source->notes();
+  whole.inspected = render(inspect(folder / "a.bag", sensor));
+  return whole;
+}
+
 }  // namespace
 
 TEST_CASE("acceleration in g or m/s^2 is told by its norm") {
@@ -81,6 +105,39 @@ TEST_CASE("an angular rate too fast for any gyroscope is in degrees") {
   const Judged declared = judge({0, 0, 9.8}, {9, 0, 0}, AccUnit::automatic, GyroUnit::deg_s);
   CHECK(declared.sample.gyro.x() == Approx(0.15707963267948966));
   CHECK(contains(judge({0, 0, 9.8}, kSlow, AccUnit::automatic, GyroUnit::automatic).notes.verdicts, "rad/s (assumed"));
+}
+
+TEST_CASE("degrees per second that the whole recording speaks against are doubted at its end") {
+  const std::string doubt = "gyro_unit is deg_s, but nothing in all that was read turns faster than 1.200 deg/s";
+  const Whole wrong = read_whole(GyroUnit::deg_s, 1.2);
+  CHECK(wrong.first.warnings.empty());
+  REQUIRE(wrong.last.warnings.size() == 1);
+  CHECK(contains(wrong.last.warnings, doubt));
+  CHECK(contains(wrong.last.warnings, "up to 69 deg/s"));
+  CHECK(contains(wrong.last.warnings, "`gyro_unit: rad_s`"));
+  CHECK(contains(wrong.inspected, doubt));
+  // True degrees, and a standstill from end to end.
+  for (const double fastest : {45.0, 0.2}) {
+    const Whole fine = read_whole(GyroUnit::deg_s, fastest);
+    CHECK(fine.last.warnings.empty());
+    CHECK_FALSE(contains(fine.inspected, "gyro_unit"));
+  }
+  for (const GyroUnit unit : {GyroUnit::rad_s, GyroUnit::automatic}) {
+    CHECK(read_whole(unit, 1.2).last.warnings.empty());
+  }
+}
+
+TEST_CASE("rates beyond any gyroscope are counted over the whole recording") {
+  const Whole fast = read_whole(GyroUnit::rad_s, 90, 3);
+  CHECK(fast.first.warnings.empty());
+  REQUIRE(fast.last.warnings.size() == 1);
+  for (const std::string& text : {fast.last.warnings.front(), fast.inspected}) {
+    CHECK(contains(text, "3 sample(s) turn faster than 40 rad/s (the fastest 90.0), beyond any gyroscope"));
+    CHECK(contains(text, "`gyro_unit: deg_s`"));
+  }
+  CHECK(read_whole(GyroUnit::deg_s, 90, 3).last.warnings.empty());
+  CHECK(
+      contains(read_whole(GyroUnit::deg_s, 3000, 3).last.warnings, "(the fastest 52.4), beyond any gyroscope; check"));
 }
 
 }  // namespace aslio::io::test

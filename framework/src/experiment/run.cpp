@@ -249,6 +249,7 @@ void gather(Summary& summary, const pipeline::Odometry& odometry, const io::Meas
   if (odometry.initialisation()) summary.initialisation = odometry.initialisation()->verdict;
   summary.notes = source.notes().verdicts;
   for (const std::string& warning : source.notes().warnings) summary.notes.push_back("warning: " + warning);
+  summary.malformed_messages = source.notes().malformed;
   summary.losses = odometry.losses();
 }
 

@@ -1,10 +1,14 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <system_error>
 
 #include "aslio/core/errors.hpp"
@@ -23,11 +27,44 @@ constexpr std::size_t kBufferBytes = 1 << 18;
   throw DataError(fmt::format("{}: {}: {}; {}", path.string(), what, std::strerror(error), remedy));
 }
 
+/// What follows the name of a file in that of its temporary file.
+std::string temporary_suffix(pid_t process, int attempt) { return fmt::format(".{}-{}.part", process, attempt); }
+
+/// The process that wrote a temporary file of that suffix; 0 when it is none.
+pid_t writer_of(std::string_view suffix) {
+  pid_t process = 0;
+  int attempt = -1;
+  if (suffix.empty()) return 0;
+  const char* const end = suffix.data() + suffix.size();
+  const auto [dash, bad_process] = std::from_chars(suffix.data() + 1, end, process);
+  if (bad_process != std::errc{} || dash == end || process <= 0) return 0;
+  if (std::from_chars(dash + 1, end, attempt).ec != std::errc{} || attempt < 0) return 0;
+  return suffix == temporary_suffix(process, attempt) ? process : 0;
+}
+
+/// Removes what a process that was killed left beside `target`; nobody else will. On a shared file system the process
+/// may live on another machine, so that a file must not have been written to for an hour, either.
+void remove_leftovers(const std::filesystem::path& target) {
+  constexpr std::time_t kAbandoned = 3600;  // s
+  const std::string name = target.filename().string();
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  std::error_code ignored;
+  for (std::filesystem::directory_iterator it(folder, ignored), end; it != end; it.increment(ignored)) {
+    const std::string entry = it->path().filename().string();
+    if (!entry.starts_with(name)) continue;
+    const pid_t process = writer_of(std::string_view(entry).substr(name.size()));
+    if (process == 0 || ::kill(process, 0) == 0 || errno != ESRCH) continue;
+    struct stat facts {};
+    if (::lstat(it->path().c_str(), &facts) != 0 || !S_ISREG(facts.st_mode)) continue;
+    if (std::time(nullptr) - facts.st_mtime > kAbandoned) ::unlink(it->path().c_str());
+  }
+}
+
 /// Creates a file that did not exist; a symbolic link planted under the name is not followed.
 int create_exclusive(const std::filesystem::path& target, std::filesystem::path& temporary) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     temporary = target;
-    temporary += fmt::format(".{}-{}.part", ::getpid(), attempt);
+    temporary += temporary_suffix(::getpid(), attempt);
     const int fd = ::open(temporary.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_WRONLY | O_CLOEXEC, 0666);
     if (fd >= 0 || errno != EEXIST) return fd;
   }
@@ -41,6 +78,7 @@ AtomicFile::AtomicFile(std::filesystem::path path, bool binary) : path_(std::mov
   // A device (/dev/stdout, /dev/null) cannot be replaced by a rename: it is written to directly.
   const bool device = std::filesystem::exists(path_, ignored) && std::filesystem::is_other(path_, ignored);
   if (std::filesystem::is_directory(path_, ignored)) fail(path_, "cannot write", EISDIR);
+  if (!device) remove_leftovers(path_);
   const int fd = device ? ::open(path_.c_str(), O_WRONLY | O_CLOEXEC) : create_exclusive(path_, temporary_);
   if (fd < 0) {
     const int error = errno;

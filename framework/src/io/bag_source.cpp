@@ -33,11 +33,21 @@ std::string list_topics(const std::vector<Connection>& connections) {
   return text.empty() ? "\n  (none)" : text;
 }
 
+/// What is to be said where a file that is cut short lacks something: the rest may have had it. Empty for a whole file.
+std::string if_cut(const BagReader& reader, const std::filesystem::path& path) {
+  if (reader.status() != InputStatus::truncated) return {};
+  std::error_code ignored;
+  return fmt::format("the file is cut short at {} bytes", std::filesystem::file_size(path, ignored));
+}
+
 /// The connections of one role, all of one topic.
 class TopicChooser {
  public:
-  TopicChooser(const std::filesystem::path& path, const std::vector<Connection>& connections)
-      : path_(path.string()), connections_(connections) {}
+  TopicChooser(const std::filesystem::path& path, const BagReader& reader)
+      : path_(path.string()), connections_(reader.connections()) {
+    const std::string cut = if_cut(reader, path);
+    if (!cut.empty()) remedy_ = fmt::format("{}: copy it again from its origin, or ", cut);
+  }
 
   std::vector<Connection> choose(const char* role, const char* key, const std::string& wanted,
                                  bool (*fits)(const Connection&), const char* types) const {
@@ -47,8 +57,8 @@ class TopicChooser {
       if (c.topic == topic) chosen.push_back(c);
     }
     if (chosen.empty()) {
-      throw DataError(fmt::format("{}: there is no {} topic '{}'; set `{}` to one of:{}", path_, role, topic, key,
-                                  list_topics(connections_)));
+      throw DataError(fmt::format("{}: there is no {} topic '{}'; {}set `{}` to one of:{}", path_, role, topic, remedy_,
+                                  key, list_topics(connections_)));
     }
     for (const Connection& c : chosen) {
       if (!fits(c)) throw DataError(wrong_type(role, key, c, types));
@@ -80,20 +90,21 @@ class TopicChooser {
       if (fits(c) && std::find(topics.begin(), topics.end(), c.topic) == topics.end()) topics.push_back(c.topic);
     }
     if (topics.size() == 1) return topics.front();
-    throw DataError(fmt::format("{}: {} {} topic ({}); set `{}` to one of:{}", path_,
-                                topics.empty() ? "there is no" : "there is more than one", role, types, key,
-                                list_topics(connections_)));
+    throw DataError(fmt::format("{}: {} {} topic ({}); {}set `{}` to one of:{}", path_,
+                                topics.empty() ? "there is no" : "there is more than one", role, types,
+                                topics.empty() ? remedy_ : "", key, list_topics(connections_)));
   }
 
-  std::string path_;
+  std::string path_, remedy_;
   const std::vector<Connection>& connections_;
 };
 
 class BagSource final : public MeasurementSource {
  public:
   BagSource(const std::filesystem::path& path, const SensorConfig& sensor, const Section& section)
-      : path_(path), reader_(path) {
-    const TopicChooser chooser(path, reader_.connections());
+      : path_(path), reader_(path), gyro_unit_(sensor.gyro_unit) {
+    refuse_without_message();
+    const TopicChooser chooser(path, reader_);
     const auto lidar = chooser.choose("LiDAR", "lidar_topic", sensor.lidar_topic, &is_lidar,
                                       "livox CustomMsg and sensor_msgs/PointCloud2");
     const auto imu = chooser.choose("IMU", "imu_topic", sensor.imu_topic, &is_imu, "sensor_msgs/Imu");
@@ -127,6 +138,7 @@ class BagSource final : public MeasurementSource {
       }
     }
     add_reader_warnings();
+    judge_all_imu();
     return std::nullopt;
   }
 
@@ -136,6 +148,20 @@ class BagSource final : public MeasurementSource {
   std::optional<TimeNs> end_time() const override { return end_; }
 
  private:
+  /// Such a file has no topics either, or not all of them: naming those to choose from would mislead.
+  void refuse_without_message() const {
+    const std::string cut = if_cut(reader_, path_);
+    if (cut.empty() || reader_.begin_time()) return;
+    throw DataError(
+        fmt::format("{}: {}, before its first whole message; copy it again from its origin", path_.string(), cut));
+  }
+
+  [[noreturn]] void fail_without(const std::string& where, const char* what) const {
+    const std::string cut = if_cut(reader_, path_);
+    throw DataError(fmt::format("{}: there is no {}{}", where, what,
+                                cut.empty() ? "" : fmt::format("; {}: copy it again from its origin", cut)));
+  }
+
   void judge_imu(const SensorConfig& sensor, const std::string& where) {
     reader_.select(imu_ids_);
     BagMessage message;
@@ -149,6 +175,7 @@ class BagSource final : public MeasurementSource {
       samples.push_back(sample);
       if (sample.t - samples.front().t > kJudgedSpan) break;
     }
+    if (samples.empty()) fail_without(where, "IMU sample");
     units_ = decode::judge_imu_units(samples, sensor.acc_unit, sensor.gyro_unit, where);
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
@@ -165,7 +192,7 @@ class BagSource final : public MeasurementSource {
       if (const auto stamp = decode::header_stamp(message.bytes); seen == 0 && stamp) begin_ = std::min(begin_, *stamp);
       judged = decoder_->judge(message.bytes, notes_);
     }
-    if (seen == 0) throw DataError(fmt::format("{}: {}: there is no LiDAR message", path_.string(), topic));
+    if (seen == 0) fail_without(fmt::format("{}: {}", path_.string(), topic), "LiDAR message");
     if (!judged) decoder_->assume(notes_);
   }
 
@@ -192,16 +219,17 @@ class BagSource final : public MeasurementSource {
       skip("IMU", why);
       return std::nullopt;
     }
+    const std::uint64_t too_fast = gyro_range_.too_fast(units_);
+    gyro_range_.add(sample.gyro);
+    if (gyro_range_.too_fast(units_) > too_fast) warn(too_fast_warning_, gyro_range_.beyond(units_));
     sample.acc *= units_.acc;
     sample.gyro *= units_.gyro;
-    if (!too_fast_ && sample.gyro.norm() > decode::kFastestGyro) {
-      too_fast_ = true;
-      notes_.warnings.push_back(
-          fmt::format("{}: an angular rate of {:.1f} rad/s is beyond any gyroscope; if it is in "
-                      "deg/s set `gyro_unit: deg_s`",
-                      path_.string(), sample.gyro.norm()));
-    }
     return sample;
+  }
+
+  /// At the end, since a standstill at the beginning fits any unit.
+  void judge_all_imu() {
+    if (const std::string why = gyro_range_.doubt(gyro_unit_); !why.empty()) warn(doubt_warning_, why);
   }
 
   std::optional<LidarPacket> lidar(const BagMessage& message) {
@@ -215,18 +243,18 @@ class BagSource final : public MeasurementSource {
   }
 
   void skip(const char* role, const std::string& why) {
-    ++skipped_;
-    const std::string text =
-        fmt::format("{}: {} malformed message(s) skipped; the first, of the {}: {}", path_.string(), skipped_,
-                    skipped_ == 1 ? role : first_role_, skipped_ == 1 ? why : first_why_);
-    if (skipped_ == 1) {
-      first_role_ = role;
-      first_why_ = why;
-      skip_warning_ = notes_.warnings.size();
-      notes_.warnings.push_back(text);
-    } else {
-      notes_.warnings[skip_warning_] = text;
+    if (notes_.malformed++ == 0) first_skipped_ = fmt::format("of the {}: {}", role, why);
+    warn(skip_warning_,
+         fmt::format("{} malformed message(s) skipped; the first, {}", notes_.malformed, first_skipped_));
+  }
+
+  /// A warning that is brought up to date, in its place, as more of its kind is found.
+  void warn(std::optional<std::size_t>& place, const std::string& text) {
+    if (!place) {
+      place = notes_.warnings.size();
+      notes_.warnings.emplace_back();
     }
+    notes_.warnings[*place] = fmt::format("{}: {}", path_.string(), text);
   }
 
   void add_reader_warnings() {
@@ -244,9 +272,11 @@ class BagSource final : public MeasurementSource {
   TimeNs begin_ = 0, end_ = 0, from_ = kTimeMin, until_ = kTimeMax;
   TimeNs newest_imu_ = kTimeMin, newest_lidar_ = kTimeMin;
   std::uint32_t sweeps_ = 0;
-  std::size_t skipped_ = 0, skip_warning_ = 0, reader_warnings_ = 0;
-  std::string first_role_, first_why_;
-  bool too_fast_ = false;
+  std::size_t reader_warnings_ = 0;
+  std::optional<std::size_t> skip_warning_, too_fast_warning_, doubt_warning_;  ///< places in the notes
+  std::string first_skipped_;
+  GyroUnit gyro_unit_;
+  decode::GyroRange gyro_range_;
 };
 
 }  // namespace

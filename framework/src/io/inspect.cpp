@@ -47,7 +47,7 @@ class TopicProbe {
       report_.points_per_message =
           static_cast<double>(points_) / static_cast<double>(report_.messages - report_.malformed);
     }
-    if (report_.role == TopicRole::lidar && !judged_ && report_.problem.empty()) decoder_->assume(notes_);
+    if (report_.role == TopicRole::lidar) judge_lidar_end();
     if (report_.messages == 0 && report_.role != TopicRole::other) report_.problem = "there is no message";
     report_.verdicts.insert(report_.verdicts.end(), notes_.verdicts.begin(), notes_.verdicts.end());
     report_.verdicts.insert(report_.verdicts.end(), notes_.warnings.begin(), notes_.warnings.end());
@@ -59,7 +59,10 @@ class TopicProbe {
     ImuSample sample;
     if (!decode::decode_imu(bytes, sample).empty()) {
       ++report_.malformed;
-    } else if (samples_.size() < kJudgedSamples && (samples_.empty() || sample.t - samples_.front().t <= kJudgedSpan)) {
+      return;
+    }
+    gyro_range_.add(sample.gyro);
+    if (samples_.size() < kJudgedSamples && (samples_.empty() || sample.t - samples_.front().t <= kJudgedSpan)) {
       samples_.push_back(sample);
     }
   }
@@ -70,6 +73,9 @@ class TopicProbe {
       notes_.verdicts = units.verdicts;
       notes_.warnings = units.warnings;
       note_imu_rate(samples_, notes_);
+      for (const std::string& text : {gyro_range_.beyond(units), gyro_range_.doubt(sensor_.gyro_unit)}) {
+        if (!text.empty()) notes_.warnings.push_back(text);
+      }
     } catch (const DataError& error) {
       report_.problem = error.what();
     }
@@ -92,6 +98,16 @@ class TopicProbe {
       ++report_.malformed;
     } else {
       points_ += packet.points.size();
+      report_.empty += packet.points.empty() ? 1 : 0;
+    }
+  }
+
+  void judge_lidar_end() {
+    if (judged_ || !report_.problem.empty()) return;
+    try {
+      decoder_->assume(notes_);
+    } catch (const DataError& error) {
+      report_.problem = error.what();
     }
   }
 
@@ -102,6 +118,7 @@ class TopicProbe {
   SourceNotes notes_;
   std::unique_ptr<LidarDecoder> decoder_;
   std::vector<ImuSample> samples_;
+  decode::GyroRange gyro_range_;
   LidarPacket packet_;
   std::uint64_t points_ = 0;
   bool is_cloud_ = false, judged_ = false;
@@ -144,6 +161,7 @@ void inspect_drive(const std::filesystem::path& folder, const SensorConfig& sens
     LidarPacket packet;
     if (read_kitti_scan(scan, packet) > 0) report.status = InputStatus::truncated;
     points += packet.points.size();
+    lidar.empty += packet.points.empty() ? 1 : 0;
   }
   for (const ImuSample& s : drive.imu) samples.add(s.t);
   scans.finish(lidar);
@@ -215,6 +233,7 @@ std::string render(const InputReport& report) {
     if (!t.fields.empty()) text += fmt::format("  fields: {}\n", t.fields);
     for (const std::string& verdict : t.verdicts) text += fmt::format("  {}\n", verdict);
     if (t.repeated > 0) text += fmt::format("  {} repeated stamps\n", t.repeated);
+    if (t.empty > 0) text += fmt::format("  {} messages without a point that is kept\n", t.empty);
     if (t.malformed > 0) text += fmt::format("  {} malformed messages\n", t.malformed);
   }
   for (const std::string& warning : report.warnings) text += fmt::format("warning: {}\n", warning);

@@ -196,8 +196,13 @@ KittiDrive read_kitti_drive(const fs::path& folder) {
 
 std::size_t read_kitti_scan(const KittiScan& scan, LidarPacket& packet) {
   constexpr std::size_t kPointBytes = 16;  // float32 x, y, z, reflectance
-  std::ifstream file = open(scan.file);
-  const std::uintmax_t bytes = fs::file_size(scan.file);
+  std::ifstream file = open(scan.file);    // a folder opens, too
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(scan.file, error);
+  if (error) {
+    throw DataError(fmt::format("{}: cannot be read as a scan ({}); put the scan of that number there, or remove it",
+                                scan.file.string(), error.message()));
+  }
   if (bytes > kLargestScan) throw DataError(fmt::format("{}: {} bytes are no scan", scan.file.string(), bytes));
   std::vector<char> raw(static_cast<std::size_t>(bytes));
   if (!file.read(raw.data(), static_cast<std::streamsize>(raw.size()))) {

@@ -28,6 +28,7 @@ class KittiSource final : public MeasurementSource {
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
     note_imu_rate(first, notes_);
+    note_gyro_range(sensor.gyro_unit);
     notes_.verdicts.push_back("lidar point times: by the azimuth between timestamps_start and timestamps_end");
     if (drive_.missing_scans > 0) {
       notes_.warnings.push_back(fmt::format("{}: {} scans are listed but missing", where, drive_.missing_scans));
@@ -71,6 +72,14 @@ class KittiSource final : public MeasurementSource {
   std::optional<TimeNs> end_time() const override { return end_; }
 
  private:
+  void note_gyro_range(GyroUnit declared) {
+    decode::GyroRange range;
+    for (const ImuSample& s : drive_.imu) range.add(s.gyro);
+    for (const std::string& text : {range.beyond(units_), range.doubt(declared)}) {
+      if (!text.empty()) notes_.warnings.push_back(fmt::format("{}/oxts: {}", drive_.folder.string(), text));
+    }
+  }
+
   void compare_extrinsic(const Pose& T_imu_lidar) {
     if (!drive_.T_imu_velo) return;
     const Pose difference = drive_.T_imu_velo->inverse() * T_imu_lidar;

@@ -12,10 +12,12 @@ namespace {
 /// Offsets beyond several sweeps are bit errors or wrapped counters.
 TimeNs longest_offset(const SensorConfig& sensor) { return std::max(kSecond, to_ns(5.0 * sensor.model.sweep_period)); }
 
+/// Judges the offsets of a Livox topic by the longest span among its first messages. A driver may send 10 ms at a time,
+/// or a first message cut off by its start; only a span that is off by hundreds is of another unit.
 class LivoxDecoder final : public LidarDecoder {
  public:
   LivoxDecoder(const SensorConfig& sensor, std::string where)
-      : where_(std::move(where)), require_times_(sensor.require_point_times) {
+      : where_(std::move(where)), require_times_(sensor.require_point_times), sweep_period_(sensor.model.sweep_period) {
     rule_.tag_filter = sensor.livox_tag_filter;
     rule_.scan_lines = sensor.model.scan_lines;
     rule_.longest_offset = longest_offset(sensor);
@@ -27,29 +29,26 @@ class LivoxDecoder final : public LidarDecoder {
     decode::LivoxRule lenient = rule_;
     lenient.from_header = true;
     if (const std::string why = decode_livox(message, lenient, packet, facts); !why.empty()) {
+      if (clock_judged_) return false;  // a single one, which reading skips
       throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where_, why));
     }
     if (facts.valid < 2) return false;
-    if (facts.last_offset == 0) {
-      const std::string why = fmt::format("offset_time is 0 in all {} points", facts.present);
-      if (require_times_) throw DataError(refusal(why));
-      notes.warnings.push_back(fmt::format("{}: {}: no motion correction within a sweep", where_, why));
+    if (!clock_judged_) judge_clock(facts.timebase - facts.stamp, notes);
+    if (is_sweep(facts.span())) {
+      notes.verdicts.push_back(fmt::format("lidar point times: livox offset_time, ns from the {} ({:.6f} to {:.6f} s)",
+                                           base(), 1e-9 * facts.first_offset, 1e-9 * facts.last_offset));
+      return true;
     }
-    const TimeNs apart = facts.timebase - facts.stamp;
-    rule_.from_header = std::abs(apart) > kSecond / 2;
-    if (rule_.from_header) {
-      notes.warnings.push_back(
-          fmt::format("{}: time base and header stamp differ by {:.3f} s: offsets are counted from "
-                      "the header stamp, the clock of the other topics",
-                      where_, to_seconds(apart)));
-    }
-    notes.verdicts.push_back(fmt::format("lidar point times: livox offset_time, ns from the {} (0 to {:.6f} s)",
-                                         rule_.from_header ? "header stamp" : "time base", 1e-9 * facts.last_offset));
+    if (facts.valid < kEnoughPoints) return false;
+    if (doubtful_++ == 0 || facts.span() > longest_.span()) longest_ = facts;
+    if (doubtful_ < kEnoughMessages) return false;
+    reject_offsets(notes);
     return true;
   }
 
   void assume(SourceNotes& notes) override {
-    notes.warnings.push_back(fmt::format("{}: no message has returns; nothing to judge point times by", where_));
+    if (doubtful_ > 0) return reject_offsets(notes);
+    notes.warnings.push_back(fmt::format("{}: no message has enough returns to judge point times by", where_));
   }
 
   std::string decode(decode::Bytes message, LidarPacket& packet) override {
@@ -58,16 +57,56 @@ class LivoxDecoder final : public LidarDecoder {
   }
 
  private:
-  std::string refusal(const std::string& why) const {
-    return fmt::format(
-        "{}: the time of the points cannot be known: {}; record with per-point times, or set "
-        "`require_point_times: false` to go without motion correction",
-        where_, why);
+  static constexpr std::uint32_t kEnoughPoints = 10;
+  static constexpr std::size_t kEnoughMessages = 10;
+
+  bool is_sweep(double span) const {
+    constexpr double kFactor = 50;
+    return span >= sweep_period_ / kFactor && span <= sweep_period_ * kFactor;
+  }
+
+  const char* base() const { return rule_.from_header ? "header stamp" : "time base"; }
+
+  void judge_clock(TimeNs apart, SourceNotes& notes) {
+    clock_judged_ = true;
+    rule_.from_header = std::abs(apart) > kSecond / 2;
+    if (!rule_.from_header) return;
+    notes.warnings.push_back(
+        fmt::format("{}: time base and header stamp differ by {:.3f} s: offsets are counted from "
+                    "the header stamp, the clock of the other topics",
+                    where_, to_seconds(apart)));
+  }
+
+  std::string why_rejected() const {
+    const double span = longest_.span();
+    if (span == 0) return fmt::format("offset_time is {} in all {} points", longest_.first_offset, longest_.valid);
+    const char* guess = "is offset_time in ns, and `sweep_period` right?";
+    if (is_sweep(1e3 * span)) guess = "is offset_time in microseconds?";
+    if (is_sweep(1e6 * span)) guess = "is offset_time in milliseconds?";
+    const std::string first = doubtful_ == 1 ? std::string("the first message spans")
+                                             : fmt::format("the first {} messages span at most", doubtful_);
+    return fmt::format("{} {:.6g} s where `sweep_period` is {} s ({})", first, span, sweep_period_, guess);
+  }
+
+  void reject_offsets(SourceNotes& notes) {
+    const std::string why = why_rejected();
+    if (require_times_) {
+      throw DataError(
+          fmt::format("{}: the time of the points cannot be known: {}; record with per-point times in ns, check "
+                      "`sweep_period`, or set `require_point_times: false` to go without motion correction",
+                      where_, why));
+    }
+    rule_.timed = false;
+    notes.warnings.push_back(
+        fmt::format("{}: {}: all points take the {}, no motion correction within a sweep", where_, why, base()));
   }
 
   std::string where_;
-  bool require_times_;
+  bool require_times_, clock_judged_ = false;
+  double sweep_period_;
   decode::LivoxRule rule_;
+  std::size_t doubtful_ = 0;    ///< messages of enough points whose span is that of no sweep
+  decode::LivoxFacts longest_;  ///< of those, the one of the longest span
 };
 
 class CloudDecoder final : public LidarDecoder {

@@ -1,5 +1,5 @@
 #pragma once
-/// Decodes the messages of one LiDAR topic, by message checksum. Opening judges the first message; after that, single
+/// Decodes the messages of one LiDAR topic, by message checksum. Opening judges the first messages; after that, single
 /// malformed messages are skipped and counted.
 
 #include <memory>
@@ -14,9 +14,10 @@ namespace aslio::io {
 class LidarDecoder {
  public:
   virtual ~LidarDecoder() = default;
-  /// Judges times by a message with returns. True once decided. Throws DataError when the message cannot be used.
+  /// Judges times by messages with returns, the first ones in their order. True once decided. Throws DataError when a
+  /// message, or the topic for its times, cannot be used.
   virtual bool judge(decode::Bytes message, SourceNotes& notes) = 0;
-  /// Without a message with returns: nothing to judge by.
+  /// At the end of the messages, undecided: judges by what there was, or says that there was nothing to judge by.
   virtual void assume(SourceNotes& notes) = 0;
   /// Empty, or what is wrong with the message.
   virtual std::string decode(decode::Bytes message, LidarPacket& packet) = 0;

@@ -39,6 +39,7 @@ struct Summary {
   std::vector<std::string> notes;            ///< verdicts and warnings of the reader
   double coverage = 0;                       ///< share of the data's duration inside fresh intervals that counted
   stream::StreamCounters counters;
+  std::uint64_t malformed_messages = 0;              ///< that the reader could not decode and left out
   std::array<std::uint64_t, 6> updates_by_status{};  ///< by UpdateStatus
   std::array<std::uint64_t, 6> refused_by_status{};  ///< of them, those refused: after the map had its first points
   std::uint64_t accepted = 0;                        ///< updates that corrected the state

@@ -23,6 +23,7 @@ struct TopicReport {
   std::uint64_t backward = 0;         ///< stamps before their predecessor
   std::uint64_t repeated = 0;         ///< stamps equal to their predecessor
   double points_per_message = 0;      ///< LiDAR: those kept
+  std::uint64_t empty = 0;            ///< LiDAR: messages without a point that is kept
   std::uint64_t malformed = 0;        ///< messages that cannot be decoded
   std::string fields;                 ///< PointCloud2: the field table
   std::vector<std::string> verdicts;  ///< units, point times

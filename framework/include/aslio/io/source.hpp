@@ -1,6 +1,7 @@
 #pragma once
 /// Where measurements come from: bags and folders, pulled in the order of recording. Data time is the only clock.
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -39,6 +40,9 @@ enum class InputStatus : std::uint8_t { complete, truncated };
 struct SourceNotes {
   std::vector<std::string> verdicts;  ///< e.g. "imu acceleration: g (static norm 0.998), multiplied by 9.80665"
   std::vector<std::string> warnings;
+  /// Messages so far that could not be decoded and were skipped; a warning tells what was wrong with the first. Grows
+  /// while the source is read.
+  std::uint64_t malformed = 0;
 };
 
 class MeasurementSource {

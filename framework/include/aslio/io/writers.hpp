@@ -14,7 +14,8 @@
 
 namespace aslio::io {
 
-/// File that appears under its name at close(). Destroyed without close(): the temporary file is removed. A device
+/// File that appears under its name at close(). Destroyed without close(): the temporary file is removed. That of a
+/// process that was killed is removed by the next one to write the same name, an hour after its last change. A device
 /// (/dev/stdout) is written to directly.
 class AtomicFile {
  public:

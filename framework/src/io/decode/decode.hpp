@@ -37,12 +37,15 @@ struct LivoxRule {
   int scan_lines = 6;
   TimeNs longest_offset = kSecond;  ///< larger offsets are damage
   bool from_header = false;         ///< offsets count from the header stamp, since the time base is another clock
+  bool timed = true;                ///< false: offsets mean nothing, all points are at the time they count from
 };
 
-/// What the first message of a topic tells.
+/// What one message tells.
 struct LivoxFacts {
   TimeNs stamp = 0, timebase = 0;
-  std::uint32_t declared = 0, present = 0, valid = 0, first_offset = 0, last_offset = 0;
+  std::uint32_t declared = 0, present = 0, valid = 0;
+  std::uint32_t first_offset = 0, last_offset = 0;  ///< least and largest of the points kept
+  double span() const { return to_seconds(TimeNs{last_offset} - TimeNs{first_offset}); }  ///< [s]
 };
 
 std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts);
@@ -59,5 +62,23 @@ inline constexpr double kFastestGyro = 40.0;
 /// Judges the units from the first seconds of samples. `where` names file and topic in messages. Throws DataError when
 /// the magnitude fits no unit, or not the declared one.
 ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where);
+
+/// The angular rates of a whole recording, as sent. Its beginning is often a standstill, which tells no unit.
+class GyroRange {
+ public:
+  /// Rates that are not finite do not count.
+  void add(const Vec3& gyro);
+  /// Samples beyond kFastestGyro, read as `units` say.
+  std::uint64_t too_fast(const ImuUnits& units) const;
+  /// What is to be said of those; empty where there are none.
+  std::string beyond(const ImuUnits& units) const;
+  /// Doubt in a declared deg/s, which radians per second would pass for a carrier that hardly turns; empty: none. Only
+  /// all samples together can tell.
+  std::string doubt(GyroUnit declared) const;
+
+ private:
+  double fastest_ = 0;
+  std::uint64_t too_fast_ = 0, too_fast_in_degrees_ = 0;
+};
 
 }  // namespace aslio::io::decode

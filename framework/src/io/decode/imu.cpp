@@ -111,6 +111,37 @@ std::string decode_imu(Bytes message, ImuSample& sample) {
   return wire.ok() ? std::string{} : "the message is too short for an Imu";
 }
 
+void GyroRange::add(const Vec3& gyro) {
+  const double rate = gyro.norm();
+  if (!std::isfinite(rate)) return;
+  fastest_ = std::max(fastest_, rate);
+  too_fast_ += rate > kFastestGyro ? 1 : 0;
+  too_fast_in_degrees_ += rate * kDegree > kFastestGyro ? 1 : 0;
+}
+
+std::uint64_t GyroRange::too_fast(const ImuUnits& units) const {
+  return units.gyro < 1 ? too_fast_in_degrees_ : too_fast_;
+}
+
+std::string GyroRange::beyond(const ImuUnits& units) const {
+  const std::uint64_t count = too_fast(units);
+  if (count == 0) return {};
+  return fmt::format("{} sample(s) turn faster than {:.0f} rad/s (the fastest {:.1f}), beyond any gyroscope; {}", count,
+                     kFastestGyro, fastest_ * units.gyro,
+                     units.gyro < 1 ? "check the sensor" : "if they are in deg/s set `gyro_unit: deg_s`");
+}
+
+std::string GyroRange::doubt(GyroUnit declared) const {
+  constexpr double kSlow = 10;    // deg/s: what is carried about turns faster some time
+  constexpr double kUsual = 0.5;  // rad/s: a standstill, in either unit, stays below
+  if (declared != GyroUnit::deg_s || fastest_ >= kSlow || fastest_ <= kUsual) return {};
+  return fmt::format(
+      "gyro_unit is deg_s, but nothing in all that was read turns faster than {:.3f} deg/s; taken as "
+      "rad/s that is a usual motion of up to {:.0f} deg/s: if the data are in rad/s (a factor of pi/180) "
+      "set `gyro_unit: rad_s` or `auto`",
+      fastest_, fastest_ / kDegree);
+}
+
 ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where) {
   if (samples.empty()) throw DataError(fmt::format("{}: there is no IMU sample", where));
   ImuUnits units;

@@ -36,7 +36,9 @@ FileHeader read_file_header(const InputFile& file, ByteView& view, const Limits&
   const Parsed parsed = parse_record(view, kMagic.size(), file.size(), limits, record, why);
   if (parsed == Parsed::header_cut || parsed == Parsed::data_cut) {
     throw DataError(
-        fmt::format("{}: the file ends inside its header ({} bytes): there is no message in it", name, file.size()));
+        fmt::format("{}: the file ends inside its header ({} bytes): there is no message in it; copy it again from its "
+                    "origin",
+                    name, file.size()));
   }
   if (parsed == Parsed::damaged) throw DataError(fmt::format("{}: damaged bag header: {}", name, why));
   if (record.op != Op::bag_header || !record.index_position) {
