@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "fixture.hpp"
 
@@ -143,8 +144,42 @@ TEST_CASE("evaluate measures a trajectory against a reference") {
   const Ended json = run_aslio({"evaluate", folder / "truth.tum", "--reference", folder / "truth.tum", "--json"});
   CHECK(json.code == 0);
   CHECK(json.out.front() == '{');
+  CHECK_THAT(text.out, Contains("alignment se3\n"));
   write_text(folder / "broken.tum", "1.0 2 3\n");
   const Ended broken = run_aslio({"evaluate", folder / "broken.tum", "--reference", folder / "truth.tum"});
   CHECK(broken.code == 3);
   CHECK_THAT(broken.err, Contains("broken.tum:1"));
+}
+
+TEST_CASE("evaluate takes the alignment that is asked for, and names it") {
+  const TemporaryFolder folder;
+  std::string line, shifted;  // straight ahead, and the same a metre aside
+  for (int i = 0; i <= 100; ++i) {
+    const std::string t = std::to_string(100 + 0.1 * i), x = std::to_string(0.1 * i);
+    line += t + " " + x + " 0 0 0 0 0 1\n";
+    shifted += t + " " + x + " 1 0 0 0 0 1\n";
+  }
+  write_text(folder / "line.tum", line);
+  write_text(folder / "shifted.tum", shifted);
+  const auto evaluate = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"evaluate", folder / "shifted.tum", "--reference", folder / "line.tum"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_aslio(arguments);
+  };
+  const Ended open = evaluate({});
+  CHECK(open.code == 3);
+  CHECK_THAT(open.err, Contains("leaves the rotation open; use a longer trajectory, or measure it by `aslio evaluate "
+                                "--alignment yaw` or none"));
+  for (const auto& [alignment, ate_m] : {std::pair("yaw", 0.0), std::pair("none", 1.0)}) {
+    const Ended ended = evaluate({"--alignment", alignment, "--json"});
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    const auto json = nlohmann::json::parse(ended.out);
+    CHECK(json.at("alignment") == alignment);
+    CHECK(json.at("ate_m").get<double>() == Approx(ate_m).margin(1e-9));
+    CHECK_THAT(evaluate({"--alignment", alignment}).out, Contains(std::string("alignment ") + alignment + "\n"));
+  }
+  const Ended wrong = evaluate({"--alignment", "yaww"});
+  CHECK(wrong.code == 2);
+  CHECK_THAT(wrong.err, Contains("unknown alignment 'yaww' (did you mean 'yaw'?); there are: se3, yaw, none"));
 }

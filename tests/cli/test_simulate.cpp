@@ -1,6 +1,7 @@
 /// `aslio simulate`, over a bare room that is quick to cast rays in.
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -149,6 +150,16 @@ TEST_CASE("arguments of a simulation that make no sense are refused with what wo
   }
 }
 
+TEST_CASE("a scene may have a lower limit of the scale of its own, as docs/cli.md says") {
+  const TemporaryFolder folder;
+  const std::string scene = std::string(ASLIO_SOURCE_DIR) + "/configs/scenes/quickstart.yaml";
+  const Ended ended = run_aslio({"simulate", scene, "--scale", "0.19", "--output", folder / "out"});
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("must be at least 1 m") && Contains("a larger scale") && Contains("(at scale 0.19)"));
+  CHECK_FALSE(fs::exists(folder / "out"));
+  CHECK_THAT(content(std::string(ASLIO_SOURCE_DIR) + "/docs/cli.md"), Contains("`quickstart` needs 0.2"));
+}
+
 TEST_CASE("a mesh that is not there is named, and nothing is written") {
   const Stage stage;
   fs::remove(stage / "room.obj");
@@ -172,6 +183,43 @@ TEST_CASE("a simulation does not overwrite what it reads") {
   const Ended no_folder = run_aslio({"simulate", stage / "small.yaml", "--output", stage / "file"});
   CHECK(no_folder.code == 2);
   CHECK_THAT(no_folder.err, Contains("--output") && Contains("name a folder that exists or can be created"));
+}
+
+TEST_CASE("a folder that cannot be written is found before anything is simulated") {
+  const Stage stage;
+  const fs::path closed = stage / "closed";
+  fs::create_directories(closed);
+  write_text(closed / "dataset.yaml", "kept");
+  fs::permissions(closed, fs::perms::owner_read | fs::perms::owner_exec);
+  std::vector<std::string> folders = {"/proc"};              // which nobody can write
+  if (::geteuid() != 0) folders.push_back(closed.string());  // root can write all others
+  for (const std::string& folder : folders) {
+    const Ended ended = run_aslio({"simulate", stage / "small.yaml", "--output", folder});
+    INFO(folder << ": " << ended.err);
+    CHECK(ended.code == 2);
+    CHECK_THAT(ended.err, Contains("--output " + folder + ": ") && Contains("name a folder that can be written") &&
+                              !Contains("real time"));
+  }
+  fs::permissions(closed, fs::perms::owner_all);
+  CHECK(names_in(closed) == std::vector<std::string>{"dataset.yaml"});
+  CHECK(content(closed / "dataset.yaml") == "kept");
+}
+
+TEST_CASE("a description may hold any character, and the dataset says it as the scene does") {
+  const Stage stage;
+  // YAML's own escapes: of the scene file, so that the character itself is in the value.
+  const Ended ended = stage.run({"--quiet", "--set", "description=\"a\\x01b\\t\\\"c\\\" d\\\\e \\u00e4\""});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  const Ended check = run_aslio({"check", stage / "out/dataset.yaml", stage / "out/scene.yaml"});
+  INFO(check.err);
+  CHECK(check.code == 0);
+  const auto description = [](const std::string& text) {
+    const std::size_t begin = text.find("description: ");
+    return text.substr(begin, text.find('\n', begin) - begin);
+  };
+  CHECK_THAT(content(stage / "out/dataset.yaml"), Contains("a\\x01b"));
+  CHECK(description(content(stage / "out/dataset.yaml")) == description(content(stage / "out/scene.yaml")));
 }
 
 TEST_CASE("an interrupted simulation exits with 130 and leaves nothing half-written") {

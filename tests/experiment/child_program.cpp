@@ -77,12 +77,26 @@ int leave_behind(const fs::path& output) {
   return put(output / "left_behind.txt", std::to_string(id)) ? 0 : 3;
 }
 
+/// Of a `--set window={type: replay, file: ".."}`.
+bool schedule_is_there(const std::vector<std::string>& words) {
+  const std::string begin = "window={type: replay, file: \"";
+  for (const std::string& word : words) {
+    if (!word.starts_with(begin)) continue;
+    if (!fs::exists(word.substr(begin.size(), word.find('"', begin.size()) - begin.size()))) return false;
+  }
+  return true;
+}
+
 int run(const std::vector<std::string>& words) {
   const fs::path output = option(words, "--output"), data = option(words, "--dataset");
   const std::string name = output.filename();
   const std::string method = name.substr(1, name.find(".partial-") - 1);
   if (!fs::exists(data / "dataset.yaml") || !fs::exists(data / "data.bag")) return 3;
   pause_ms(method == "patient" ? 1000 : 15);
+  if (!schedule_is_there(words)) {
+    std::fputs("error: window: cannot open the schedule\n", stderr);
+    return 2;
+  }
   std::string text = summary(std::to_string(figure(data.filename().string() + method + option(words, "--seed"))));
   int code = 0;
   if (method == "segv") ::raise(SIGSEGV);
@@ -100,6 +114,7 @@ int run(const std::vector<std::string>& words) {
   if (method == "mute") return 1;
   if (method == "forks" && leave_behind(output) != 0) return 3;
   if (!put(output / "trajectory.tum", std::string(6000, '1'))) return 3;
+  if (!put(output / "updates.csv", "t_ns\n1\n")) return 3;
   return put(output / "summary.json", text) ? code : 3;
 }
 

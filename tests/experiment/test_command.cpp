@@ -151,7 +151,23 @@ TEST_CASE("options of the command that are wrong are told") {
   CHECK(bench.run({"--seeds", "3-1"}).code == 2);
   CHECK(bench.run({"--jobs", "0"}).code == 2);
   write_text(bench.folder / "file", "");
-  const Ended no_folder = bench.run({}, "file");
-  CHECK(no_folder.code == 2);
-  CHECK_THAT(no_folder.err, Contains("name a folder"));
+  // Also where nothing is to run, and before anything is simulated for data that have no place.
+  const std::string file = bench.folder / "file";
+  for (const auto& more : {std::vector<std::string>{}, std::vector<std::string>{"--dry-run"}}) {
+    for (const char* output : {"file", "file/below"}) {
+      const Ended ended = bench.run(more, output);
+      INFO(output << " " << more.size());
+      CHECK(ended.code == 2);
+      CHECK(ended.out.empty());
+      CHECK_THAT(ended.err,
+                 Contains("--output ") && Contains(file + " is not a folder; name a folder that exists or can"));
+    }
+    auto data = more;
+    data.insert(data.end(), {"--data", file});
+    const Ended ended = bench.run(data);
+    CHECK(ended.code == 2);
+    CHECK(ended.out.empty());
+    CHECK_THAT(ended.err, Contains("--data ") && Contains(file + " is not a folder; name a folder that exists or can"));
+    CHECK_FALSE(fs::exists(bench.folder / "out"));
+  }
 }

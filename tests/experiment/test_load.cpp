@@ -308,6 +308,29 @@ TEST_CASE("a comparison may differ in what the study names, and in nothing else"
   CHECK(files.complaint(fixed + method("other", "as_lio") + all + "\n").empty());
 }
 
+TEST_CASE("differs names keys and blocks that there are") {
+  const StudyFiles files;
+  const std::string fixed = head() + kData + "baseline: fixed\nmethods:\n" + method("fixed", "fixed_window");
+  const std::string study =
+      files.complaint(fixed + method("other", "as_lio") + "differs: [window, histry, bogus.key]\n");
+  INFO(study);
+  CHECK_THAT(study, Contains("study.yaml:10:19: 'differs' names 'histry'") && Contains("(did you mean 'history'?)") &&
+                        Contains("study.yaml:10:27: 'differs' names 'bogus.key'") && Contains("give a key or a block"));
+  // What it was meant to excuse is told with it.
+  CHECK_THAT(study, Contains("or say so: differs: [history]"));
+  const std::string one = files.complaint(fixed + method("other", "as_lio", "differs: [window, history, map.voxl]"));
+  INFO(one);
+  CHECK_THAT(one, Contains("study.yaml:9:") && Contains("'map.voxl'") && Contains("(did you mean 'map.voxel'?)"));
+  // Keys of either pipeline, elements of lists and what is in them.
+  for (const char* there :
+       {"window.seg_step", "window.period", "samplers", "samplers.1", "samplers.1.leaf", "map.type"}) {
+    CHECK(files.complaint(fixed + method("other", "as_lio", std::string("differs: [window, history, ") + there + "]"))
+              .empty());
+  }
+  CHECK_THAT(files.complaint(fixed + method("other", "as_lio", "differs: [window, history, samplers.9]")),
+             Contains("'samplers.9'"));
+}
+
 TEST_CASE("a method may have a baseline of its own") {
   const StudyFiles files;
   const std::string start = head() + kData + "baseline: fixed\nmethods:\n" + method("fixed", "fixed_window") +

@@ -249,6 +249,90 @@ TEST_CASE("a finished run whose summary is lost or torn is made again") {
   CHECK(tables(output) == before);
 }
 
+TEST_CASE("a finished run whose file another run reads is made again when the file is gone") {
+  const StudyFiles files;
+  const std::string replay = "set: {window: {type: replay, file: '{run:first}/updates.csv'}}";
+  const Study study =
+      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio") +
+                 method("shifted", "as_lio", replay) + method("alone", "fixed_window") + "metrics: [ate_m]\n");
+  const fs::path output = files.folder / "out", runs = output / "runs/scene_a_1";
+  Quiet monitor;
+  REQUIRE(run_study(study, options(output), monitor).failures() == 0);
+  const auto before = tables(output);
+  // What nobody reads may go.
+  fs::remove(runs / "first/trajectory.tum");
+  fs::remove(runs / "alone/updates.csv");
+  monitor.lines.clear();
+  CHECK(run_study(study, options(output), monitor).failures() == 0);
+  CHECK(monitor.lines.empty());
+  fs::remove(runs / "first/updates.csv");
+  fs::remove_all(runs / "shifted");
+  const auto left = rows_so_far(study, plan_runs(study, "program", fs::absolute(output) / "runs"), output);
+  CHECK_FALSE(left[0].has_value());
+  CHECK(left[2].has_value());
+  const StudyResult again = run_study(study, options(output), monitor);
+  INFO(monitor.lines);
+  CHECK(again.failures() == 0);
+  CHECK_THAT(monitor.lines,
+             Contains("[1/2] scene_a_1/first: ok") && Contains("[2/2] scene_a_1/shifted: ok") && !Contains("alone"));
+  CHECK(tables(output) == before);
+}
+
+TEST_CASE("a run that failed without the file that another reads is not made again for it") {
+  const StudyFiles files;
+  const std::string replay = "set: {window: {type: replay, file: '{run:segv}/updates.csv'}}";
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("segv", "as_lio") +
+                                 method("shifted", "as_lio", replay) + "metrics: [ate_m]\n");
+  Quiet monitor;
+  CHECK(run_study(study, options(files.folder / "out"), monitor).failures() == 2);
+  monitor.lines.clear();
+  CHECK(run_study(study, options(files.folder / "out"), monitor).failures() == 2);
+  CHECK_THAT(monitor.lines, Contains("scene_a_1/shifted: failed") && !Contains("segv: "));
+}
+
+TEST_CASE("shared data without their bag, or with one that is cut off, are simulated again") {
+  const StudyFiles files;
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods({"one"}));
+  const fs::path shared = files.folder / "shared", data = shared / "scene_a_1", bag = data / "data.bag";
+  int call = 0;
+  const auto simulates = [&] {
+    StudyOptions how = options(files.folder / ("out_" + std::to_string(++call)));
+    how.data = shared;
+    Quiet monitor;
+    CHECK(run_study(study, how, monitor).failures() == 0);
+    return monitor.lines.find("scene_a_1: simulated") != std::string::npos;
+  };
+  REQUIRE(simulates());
+  CHECK_FALSE(fs::exists(data));  // those that nobody asks to keep go
+  StudyOptions keep = options(files.folder / "out");
+  keep.data = shared;
+  keep.keep_data = true;
+  Quiet monitor;
+  REQUIRE(run_study(study, keep, monitor).failures() == 0);
+  CHECK_FALSE(simulates());
+  const std::string whole = content(data / "identity.txt"), identity = whole.substr(0, whole.find('\n') + 1);
+  CHECK(whole == identity + "3000 data.bag\n");
+  for (const bool gone : {true, false}) {
+    const fs::path aside = files.folder / (gone ? "gone" : "cut");
+    fs::copy(data, aside);  // what is made anew is not kept
+    if (gone) {
+      fs::remove(bag);
+    } else {
+      fs::resize_file(bag, 1000);
+    }
+    INFO((gone ? "gone" : "cut"));
+    CHECK(simulates());
+    CHECK_FALSE(fs::exists(data));
+    fs::rename(aside, data);
+    CHECK_FALSE(simulates());
+  }
+  // As earlier versions wrote it.
+  write_text(data / "identity.txt", identity);
+  CHECK_FALSE(simulates());
+  fs::remove(bag);
+  CHECK(simulates());
+}
+
 TEST_CASE("the tables tell what is there from the first moment of a call") {
   const StudyFiles files;
   const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods({"one", "hang"}));

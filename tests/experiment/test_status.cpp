@@ -161,6 +161,34 @@ TEST_CASE("a comparison tells which runs differ, by how much and in what configu
   CHECK_THROWS_AS(compare_folders(folder / "a", folder / "b"), aslio::DataError);
 }
 
+TEST_CASE("where the outputs lie is no difference of configuration") {
+  const TemporaryFolder folder;
+  const std::string table = "data,sequence,seed,order_seed,method,status,reason,ate_m\nx_1,x,1,0,m,ok,,0.1\n";
+  // e11 has been moved since, and its manifest knows from where; that of e1 is lost.
+  const std::string one = fs::path(folder / "e1").string(), moved = "/of another/./machine/e1";
+  const auto write = [&](const std::string& name, const std::string& output, const std::string& file) {
+    fs::create_directories(folder / name / "runs/x_1/m");
+    write_text(folder / name / "results.csv", table);
+    write_text(folder / name / "runs/x_1/m/resolved.yaml",
+               "schema: aslio/pipeline/1\nwindow:\n  type: replay\n  file: \"" + output + file + "\"\nlist: [\"" +
+                   output + "/data/x_1/a.csv\", /elsewhere/b.csv]\n");
+  };
+  write("e1", one, "/runs/x_1/as_lio/updates.csv");
+  write("e11", moved, "/runs/x_1/as_lio/updates.csv");
+  write_text(folder / "e11/runs/x_1/m/manifest.json",
+             R"({"command_line": ["aslio", "run", "--output", ")" + moved + R"(/runs/x_1/m", "--quiet"]})");
+  const FolderComparison same = compare_folders(folder / "e1", folder / "e11");
+  INFO(to_text(same));
+  CHECK(same.same());
+  CHECK(same.configurations.empty());
+  // Of another run, or of another study, is one.
+  write("e11", moved, "/runs/x_1/fixed/updates.csv");
+  CHECK(compare_folders(folder / "e1", folder / "e11").configurations ==
+        std::vector<std::string>{"m: window.file: runs/x_1/as_lio/updates.csv -> runs/x_1/fixed/updates.csv"});
+  write("e11", moved, "0/runs/x_1/as_lio/updates.csv");
+  CHECK(compare_folders(folder / "e1", folder / "e11").configurations.size() == 1);
+}
+
 TEST_CASE("the commands exit with what they found") {
   const StudyFiles files;
   const Study study = files.load(study_text({"one"}));

@@ -35,6 +35,12 @@ std::string problem(const std::filesystem::path& folder) {
 
 const Bundle kBundle = {"run();", "p { color: red; }"};
 
+/// What the page knows of the study.
+nlohmann::json data_of(const std::string& page) {
+  const std::size_t begin = page.find("id=\"study\">") + 11;
+  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
 }  // namespace
 
 TEST_CASE("a study is read from what it left") {
@@ -97,6 +103,75 @@ TEST_CASE("runs without a study are methods over one recording") {
   CHECK(study.methods == std::vector<std::string>{"a", "b"});
   CHECK(study.runs[1].figures[*study.figure("ate_m")] == 0.5);
   CHECK(read_study_folder(folder.path() / "b").methods == std::vector<std::string>{"b"});
+}
+
+TEST_CASE("a run whose summary cannot be read is a failure with its reason, not missing") {
+  const TemporaryFolder folder;
+  const std::vector<std::pair<std::string, std::string>> cases = {{"cut", "{"}, {"empty", ""}, {"mute", "{\"a\": 1}"}};
+  for (const auto& [name, text] : cases) {
+    std::filesystem::create_directories(folder.path() / name);
+    write_text(folder.path() / name / "summary.json", text);
+  }
+  std::filesystem::create_directories(folder.path() / "good");
+  write_text(folder.path() / "good/summary.json", R"({"status": "ok", "metrics": {"ate_m": 0.5}})");
+  const StudyFolder study = read_study_folder(folder.path());
+  REQUIRE(study.methods == std::vector<std::string>{"cut", "empty", "good", "mute"});
+  CHECK(study.runs[2].status == "ok");
+  for (const auto& [run, reason] :
+       {std::pair(0, "it is no JSON object"), std::pair(1, "it is empty"), std::pair(3, "it names no status")}) {
+    CHECK(study.runs[static_cast<std::size_t>(run)].status == "failed");
+    CHECK_THAT(study.runs[static_cast<std::size_t>(run)].reason,
+               Contains(std::string("summary.json cannot be read: ") + reason + "; make the run again"));
+  }
+  CHECK(study.runs[0].figures == std::vector<std::optional<double>>{std::nullopt});
+  CHECK_THAT(to_markdown(study), Contains("| recording | cut | failed |"));
+  const StudyFolder alone = read_study_folder(folder.path() / "cut");
+  CHECK(alone.methods == std::vector<std::string>{"cut"});
+  CHECK(alone.runs[0].status == "failed");
+  // Told once.
+  CHECK(data_of(make_page(alone, kBundle))["runs"][0]["reason"] == alone.runs[0].reason);
+}
+
+TEST_CASE("files of a run that cannot be read are told beside its status, and the rest is shown") {
+  const Fixture fixture;
+  const auto run = fixture.folder.path() / "runs/loop_1/fixed_10", other = fixture.folder.path() / "runs/loop_2/as_lio";
+  write_text(run / "trajectory.tum", "\x7f\xff garbage\n");
+  write_text(run / "updates.csv", "t_ns,status,sod\n1700000001000000000,ok,0.5\n17000000020000");
+  write_text(run / "timings.csv", "no telemetry\n1\n");
+  write_text(run / "manifest.json", "{");
+  write_text(other / "updates.csv", "t_ns,status,sod\n100,ok,0.5\n200,ok\n300,ok,0.5\n");
+  const auto json = data_of(make_page(fixture.study(), kBundle));
+  CHECK(json["runs"][0]["status"] == "ok");
+  const std::string reason = json["runs"][0]["reason"];
+  INFO(reason);
+  CHECK_THAT(reason, Contains("trajectory.tum:1: 2 columns where TUM has 8") &&
+                         Contains("the trajectory is left out") &&
+                         Contains("updates.csv: it is cut off in the middle of a line") &&
+                         Contains("timings.csv: its first line names no column t_ns") &&
+                         Contains("manifest.json: it is no JSON object"));
+  CHECK(reason.find(fixture.folder.path().string()) == std::string::npos);  // the page is for any machine
+  CHECK(json["runs"][0]["series"]["channels"].contains("sod"));
+  CHECK_FALSE(json["runs"][0]["series"].contains("path"));
+  CHECK(json["runs"][1]["reason"] == "few points");
+  for (const auto& at : json["runs"]) {
+    if (at["data"] == "loop_2" && at["method"] == "as_lio") {
+      CHECK_THAT(at["reason"].get<std::string>(),
+                 Contains("few points; updates.csv: 1 of 3 lines have another number"));
+    }
+    if (at["data"] == "turn_1")
+      CHECK_THAT(at["reason"].get<std::string>(), !Contains("cannot") && !Contains("left out"));
+  }
+}
+
+TEST_CASE("the empty trajectory of a run that failed is nothing to note") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "trajectory.tum", "");
+  FolderRun run;
+  run.folder = folder.path();
+  run.status = "failed";
+  CHECK(series_json(run, {}).is_null());
+  run.status = "ok";
+  CHECK_THAT(series_json(run, {})["notes"][0].get<std::string>(), Contains("trajectory.tum: holds no pose"));
 }
 
 TEST_CASE("failures are worse than any figure, and keep apart how they failed") {
@@ -245,8 +320,7 @@ TEST_CASE("a page holds everything, and nothing hostile outside its data") {
   CHECK((scripts == 2 && ends == 2));
   CHECK(page.find("<img") == std::string::npos);
   CHECK(page.find("<!--") == std::string::npos);
-  const std::size_t begin = page.find("id=\"study\">") + 11;
-  const auto json = nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  const auto json = data_of(page);
   CHECK(json["runs"].size() == 11);
   CHECK(json["shown"] == 10);
   CHECK(json["configs"].size() == 2);
@@ -256,11 +330,7 @@ TEST_CASE("a page holds everything, and nothing hostile outside its data") {
 TEST_CASE("a page that is full shows the first recording of every sequence before the second") {
   const Fixture fixture;
   const StudyFolder study = fixture.study();
-  const auto all = nlohmann::json::parse([&] {
-    const std::string page = make_page(study, kBundle, {.bytes = 120'000, .map_points = 100});
-    const std::size_t begin = page.find("id=\"study\">") + 11;
-    return page.substr(begin, page.find("</script>", begin) - begin);
-  }());
+  const auto all = data_of(make_page(study, kBundle, {.bytes = 120'000, .map_points = 100}));
   const std::size_t shown = all["shown"];
   INFO(shown);
   REQUIRE((shown > 1 && shown < 10));

@@ -8,20 +8,28 @@
 #include "aslio/io/writers.hpp"
 #include "command.hpp"
 #include "console.hpp"
+#include "options.hpp"
 
 namespace aslio::cli {
 
 namespace {
 
 struct Arguments {
-  std::string estimate, reference;
+  std::string estimate, reference, alignment = "se3";
   bool json = false, evo = false;
 };
+
+evaluation::Alignment alignment_of(const std::string& name) {
+  if (name == "none") return evaluation::Alignment::none;
+  return name == "yaw" ? evaluation::Alignment::yaw : evaluation::Alignment::se3;
+}
 
 int evaluate(const Arguments& a) {
   const Trajectory estimate(io::read_tum(a.estimate)), reference(io::read_tum(a.reference));
   const auto rule = a.evo ? evaluation::Rule::evo : evaluation::Rule::interpolated;
-  const auto result = evaluation::evaluate(estimate, reference, experiment::measuring_options(reference, rule));
+  auto options = experiment::measuring_options(reference, rule);
+  options.alignment = alignment_of(a.alignment);
+  const auto result = evaluation::evaluate(estimate, reference, options);
   print(a.json ? evaluation::to_json(result).dump(2) + "\n" : evaluation::to_text(result));
   return kSuccess;
 }
@@ -35,6 +43,11 @@ Command add_evaluate(CLI::App& root) {
   app->add_option("--reference", arguments->reference, "reference trajectory (TUM)")
       ->required()
       ->check(CLI::ExistingFile);
+  app->add_option("--alignment", arguments->alignment,
+                  "of the estimate's world with the reference's: se3 (any rotation and translation), yaw (of a world "
+                  "whose z is vertical, too: shows tilt) or none (they are the same)")
+      ->check(one_of("alignment", {"se3", "yaw", "none"}))
+      ->capture_default_str();
   app->add_flag("--json", arguments->json, "all figures as JSON");
   app->add_flag("--evo", arguments->evo, "nearest stamps and equal weights, as evo does");
   app->footer("Example:\n  aslio evaluate out/corridor/trajectory.tum --reference truth.tum --json");

@@ -56,11 +56,11 @@ void print_plan(const experiment::Study& study, const experiment::StudyOptions& 
     std::vector<experiment::StudyRun> runs;
     experiment::append_runs(study, options.program, runs_folder, d, runs);
     const auto selected = experiment::select_runs(study, runs, options.only);
+    const auto rows = experiment::rows_so_far(study, runs, options.output);
     std::string text;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       if (!selected[i]) continue;
-      const auto outcome = experiment::read_outcome(runs_folder / study.data[d].name / runs[i].folder, runs[i].key);
-      const bool done = outcome && stands(*outcome, study, options);
+      const bool done = rows[i] && stands(rows[i]->outcome, study, options);
       ++(done ? finished : open);
       text += fmt::format("{}/{}: {}\n", study.data[d].name, runs[i].folder, done ? "finished" : "to run");
     }
@@ -140,8 +140,28 @@ std::vector<std::string> command_of(const Arguments& a) {
   return words;
 }
 
+/// Throws ConfigError where the folder neither is there nor can be made, because of a file in its place or in that of a
+/// folder around it: a study would meet it after its first simulation, and a plan not at all.
+void require_folder(const char* option, const std::string& path) {
+  const auto refuse = [&](const std::string& problem) {
+    throw ConfigError(fmt::format("{} {}: {}; name a folder that exists or can be created", option, path, problem));
+  };
+  std::error_code error, ignored;
+  if (path.empty()) refuse("it is empty");
+  fs::path at = fs::absolute(path, error).lexically_normal();
+  if (error) refuse(error.message());
+  while (!fs::is_directory(at, ignored)) {
+    const fs::file_type type = fs::symlink_status(at, error).type();
+    if (type == fs::file_type::none) refuse(at.string() + ": " + error.message());
+    if (type != fs::file_type::not_found) refuse(at.string() + " is not a folder");
+    at = at.parent_path();
+  }
+}
+
 int run_experiment(const Arguments& a) {
   catch_interrupts();
+  require_folder("--output", a.output);
+  if (!a.data.empty()) require_folder("--data", a.data);
   const Stages stages = load_stages(a.plugins);
   const experiment::StudyReading reading{.resolve_scene = resolve_scene, .seeds = seeds_of(a.seeds), .scale = a.scale};
   const experiment::Study study = experiment::load_study(a.study, stages.catalog, reading);

@@ -33,13 +33,17 @@ struct Arguments {
 struct Names {
   std::string family;  ///< for @family@
   std::string type;    ///< for my_stage
+  /// For MyStage. No type of aslio or of a template ends in Stage: a stage that is called `params` or `window_plan` is
+  /// neither the struct inside it nor what it includes.
   std::string class_name() const {
+    constexpr std::string_view kEnd = "Stage";
     std::string name;
     bool begins = true;
     for (const char c : type) {
       if (c != '_') name += begins ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
       begins = c == '_';
     }
+    if (!name.ends_with(kEnd) || name == kEnd) name += kEnd;
     return name;
   }
 };
@@ -148,9 +152,11 @@ class Unfinished {
 
 /// The folder to be made, absolute and without a slash at its end. Throws ConfigError.
 fs::path new_folder(const std::string& directory) {
-  fs::path folder = fs::absolute(directory).lexically_normal();
+  if (directory.empty()) throw ConfigError("DIR: '' is no folder; name one that does not exist, for example my_window");
+  std::error_code error, ignored;
+  fs::path folder = fs::absolute(directory, error).lexically_normal();
+  if (error) throw ConfigError(fmt::format("{}: {}; give the whole path", directory, error.message()));
   if (!folder.has_filename()) folder = folder.parent_path();
-  std::error_code ignored;
   if (fs::symlink_status(folder, ignored).type() != fs::file_type::not_found) {
     throw ConfigError(fmt::format("{}: exists already; name a folder that does not", folder.string()));
   }

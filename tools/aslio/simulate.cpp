@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/io/writers.hpp"
 #include "aslio/simulator/mesh_file.hpp"
 #include "aslio/simulator/record.hpp"
 #include "aslio/simulator/scene.hpp"
@@ -70,9 +71,16 @@ void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const Argumen
 void create_folder(const fs::path& folder) {
   std::error_code error, ignored;
   fs::create_directories(folder, error);
-  if (fs::is_directory(folder, ignored)) return;
-  throw ConfigError(fmt::format("--output {}: {}; name a folder that exists or can be created", folder.string(),
-                                error ? error.message() : "it is not a folder"));
+  if (!fs::is_directory(folder, ignored)) {
+    throw ConfigError(fmt::format("--output {}: {}; name a folder that exists or can be created", folder.string(),
+                                  error ? error.message() : "it is not a folder"));
+  }
+  try {
+    const io::AtomicFile probe(folder / kFiles.back());  // never closed: nothing of it stays
+  } catch (const DataError& failure) {
+    throw ConfigError(
+        fmt::format("--output {}: {}; name a folder that can be written", folder.string(), failure.what()));
+  }
 }
 
 std::string time_left(double seconds) {

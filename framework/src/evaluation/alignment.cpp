@@ -46,7 +46,7 @@ Mat3 se3_rotation(const Mat3& covariance, std::size_t n) {
   if (d[1] <= rank_threshold(d[0])) {
     throw DataError(
         fmt::format("alignment se3: the {} matched positions lie on a line or in a point, which leaves the rotation "
-                    "open; use the alignment yaw or none, or a longer trajectory",
+                    "open; use a longer trajectory, or measure it by `aslio evaluate --alignment yaw` or none",
                     n));
   }
   Vec3 sign = Vec3::Ones();
@@ -61,7 +61,7 @@ Mat3 yaw_rotation(const Mat3& S, std::size_t n) {
   if (std::hypot(sine, cosine) <= rank_threshold(S.norm())) {
     throw DataError(fmt::format(
         "alignment yaw: the {} matched positions lie on a vertical line or in a point, which leaves the yaw "
-        "open; use the alignment none, or a longer trajectory",
+        "open; use a longer trajectory, or measure it by `aslio evaluate --alignment none`",
         n));
   }
   return exp_so3(Vec3(0.0, 0.0, std::atan2(sine, cosine)));

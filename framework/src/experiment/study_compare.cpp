@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <fstream>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "aslio/config/diff.hpp"
@@ -99,6 +101,45 @@ Folder read_folder(const fs::path& path) {
   return folder;
 }
 
+/// The output folder of a run's study, with a slash at its end, as the run knew it: by its manifest, for the folder may
+/// have been moved since.
+std::string origin_of(const Folder& folder, const Run& run) {
+  std::ifstream stream(run.folder(folder.path) / "manifest.json", std::ios::binary);
+  const auto manifest = nlohmann::json::parse(stream, nullptr, false);
+  const std::string inside = run.folder({}).string();
+  const auto command = manifest.find("command_line");
+  if (command != manifest.end() && command->is_array()) {
+    for (std::size_t i = 1; i < command->size(); ++i) {
+      if ((*command)[i - 1] != "--output" || !(*command)[i].is_string()) continue;
+      const auto output = (*command)[i].get<std::string>();
+      if (output.ends_with("/" + inside)) return output.substr(0, output.size() - inside.size());
+    }
+  }
+  return fs::absolute(folder.path / "").lexically_normal().string();
+}
+
+/// resolved.yaml of a run in which files of its own study ({run:NAME} and {data}) are named from the output folder on:
+/// where that lies is no difference of configuration.
+std::string configuration_of(const Folder& folder, const Run& run) {
+  constexpr std::string_view kBefore = " \"'[{";  // of a value
+  std::string origin;
+  for (const char c : origin_of(folder, run)) {
+    if (c == '"' || c == '\\') origin += '\\';
+    origin += c;
+  }
+  std::string text = config::read_text(run.folder(folder.path) / "resolved.yaml");
+  for (std::size_t at = text.find(origin); at != std::string::npos; at = text.find(origin, at)) {
+    const std::string_view rest = std::string_view(text).substr(at + origin.size());
+    const bool begins = at > 0 && kBefore.find(text[at - 1]) != std::string_view::npos;
+    if (begins && (rest.starts_with("runs/") || rest.starts_with("data/"))) {
+      text.erase(at, origin.size());
+    } else {
+      ++at;
+    }
+  }
+  return text;
+}
+
 class Comparer {
  public:
   Comparer(const Folder& a, const Folder& b) : a_(a), b_(b) {}
@@ -174,7 +215,7 @@ class Comparer {
     for (const auto& [a, b] : pairs) {
       const fs::path one = a->folder(a_.path) / "resolved.yaml", other = b->folder(b_.path) / "resolved.yaml";
       if (!fs::exists(one, ignored) || !fs::exists(other, ignored)) continue;
-      for (const config::Difference& d : config::diff(config::read_text(one), config::read_text(other))) {
+      for (const config::Difference& d : config::diff(configuration_of(a_, *a), configuration_of(b_, *b))) {
         out_.configurations.push_back(
             fmt::format("{}: {}: {} -> {}", method, d.path, d.a.value_or("none"), d.b.value_or("none")));
       }

@@ -1,8 +1,12 @@
 // What two methods differ in, and whether the study names it.
-#include <algorithm>
+#include "study_differences.hpp"
 
+#include <algorithm>
+#include <set>
+
+#include "../config/names.hpp"
 #include "aslio/config/diff.hpp"
-#include "aslio/experiment/study.hpp"
+#include "aslio/config/document.hpp"
 
 namespace aslio::experiment {
 
@@ -23,7 +27,34 @@ void append_keys(const StudyMethod& method, std::vector<std::string>& keys) {
   keys.insert(keys.end(), method.differs.begin(), method.differs.end());
 }
 
+/// Paths of all that lies below `path`, blocks, list elements and keys.
+void append_paths(const config::Node& node, const std::string& path, std::set<std::string>& paths) {
+  const auto append = [&](const std::string& name, const config::Node& below) {
+    std::string at = path;
+    if (!at.empty()) at += '.';
+    at += name;
+    append_paths(below, at, paths);
+    paths.insert(std::move(at));
+  };
+  for (const config::Member& member : node.members()) append(member.key, member.value);
+  for (std::size_t i = 0; i < node.items().size(); ++i) append(std::to_string(i), node.items()[i]);
+}
+
 }  // namespace
+
+std::map<std::string, std::string> strange_keys(const std::vector<StudyMethod>& methods,
+                                                const std::vector<std::string>& names) {
+  std::set<std::string> left(names.begin(), names.end()), paths;
+  // A study may have thousands of methods, and what it names stands in the first of them.
+  for (std::size_t i = 0; i < methods.size() && !left.empty(); ++i) {
+    append_paths(config::parse_document(methods[i].resolved, "resolved"), "", paths);
+    std::erase_if(left, [&](const std::string& name) { return paths.contains(name); });
+  }
+  const std::vector<std::string> known(paths.begin(), paths.end());
+  std::map<std::string, std::string> out;
+  for (const std::string& name : left) out.emplace(name, config::nearest(name, known));
+  return out;
+}
 
 std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMethod& baseline) {
   std::vector<std::string> keys;

@@ -17,6 +17,7 @@
 #include "aslio/experiment/study_expectation.hpp"
 #include "aslio/pipeline/stage_set.hpp"
 #include "study_axes.hpp"
+#include "study_differences.hpp"
 
 namespace aslio::experiment {
 
@@ -95,8 +96,10 @@ class Reader {
     require_distinct_data();
     lay_out_methods();
     require_distinct_folders();
+    const bool all_resolved = problems_.size() == 0;
     find_baselines();
     check_rules();
+    if (all_resolved) check_differs();
     problems_.raise();
     return std::move(study_);
   }
@@ -420,6 +423,34 @@ class Reader {
                       [this](std::size_t rule, std::string_view key, const std::string& message) {
                         problems_.add(place("expectation", rule, key), fmt::format("'{}': {}", key, message));
                       });
+  }
+
+  /// A name that is mistyped would excuse nothing, and tables would tell it as what is compared.
+  void check_differs() {
+    std::vector<std::string> names;
+    std::vector<Location> places;
+    const auto add = [&](const Node& block, const std::vector<std::string>& written) {
+      const config::Member* list = block.find("differs");
+      for (std::size_t k = 0; k < written.size(); ++k) {
+        const bool in_list = list != nullptr && k < list->value.items().size();
+        places.push_back(in_list ? list->value.items()[k].at() : list != nullptr ? list->value.at() : block.at());
+        names.push_back(written[k]);
+      }
+    };
+    add(root_, study_.config.differs);
+    const config::Member* methods = root_.find("methods");
+    for (std::size_t i = 0; methods != nullptr && i < study_.config.methods.size(); ++i) {
+      add(methods->value.items()[i], study_.config.methods[i].differs);
+    }
+    const auto strange = strange_keys(study_.methods, names);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto found = strange.find(names[i]);
+      if (found == strange.end()) continue;
+      const std::string& near = found->second;
+      problems_.add(places[i], fmt::format("'differs' names '{}', which no pipeline of the study has{}; give a key or "
+                                           "a block, as in estimator.sigma or window",
+                                           names[i], near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near)));
+    }
   }
 
   /// A comparison is fair where the study says what is compared.

@@ -20,6 +20,7 @@
 #include "study_judge.hpp"
 #include "study_process.hpp"
 #include "study_store.hpp"
+#include "study_uses.hpp"
 
 namespace aslio::experiment {
 
@@ -61,7 +62,8 @@ class Schedule {
         options_(options),
         monitor_(monitor),
         runs_folder_(fs::absolute(options.output) / "runs"),
-        store_(options.output, options.data, options.keep_data, asks_for("world")) {
+        store_(options.output, options.data, options.keep_data, asks_for("world")),
+        used_(study) {
     store_.remove_leftovers(options.recording);
     result_.runs = plan_runs(study, options.program, runs_folder_);
     result_.rows = rows_so_far(study, result_.runs, options.output, options.recording);
@@ -205,7 +207,7 @@ class Schedule {
       StudyRun& run = result_.runs[i];
       if (run.data != d || states_[i] != RunState::waiting || !read_outcome(final_folder(i), {})) continue;
       run.key = run_key(study_, result_.runs, run, options_.program, runs_folder_);
-      const auto outcome = read_outcome(final_folder(i), run.key);
+      const auto outcome = used_.outcome(run, final_folder(i));
       if (outcome && stands(*outcome, study_, options_)) close_run(i, read_row(final_folder(i), *outcome));
     }
   }
@@ -414,6 +416,7 @@ class Schedule {
   StudyMonitor& monitor_;
   fs::path runs_folder_;
   StudyStore store_;
+  UsedFiles used_;
   StudyResult result_;
   std::vector<DataProgress> data_;
   std::vector<RunState> states_;
@@ -442,10 +445,11 @@ bool stands(const StudyOutcome& outcome, const Study& study, const StudyOptions&
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
                                                  const fs::path& output, const std::string& recording) {
   std::vector<std::optional<StudyRow>> rows(runs.size());
+  const UsedFiles used(study);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (!recording.empty() && study.data[runs[i].data].name != recording) continue;
     const fs::path folder = output / "runs" / study.data[runs[i].data].name / runs[i].folder;
-    if (const auto outcome = read_outcome(folder, runs[i].key)) rows[i] = read_row(folder, *outcome);
+    if (const auto outcome = used.outcome(runs[i], folder)) rows[i] = read_row(folder, *outcome);
   }
   return rows;
 }

@@ -13,6 +13,7 @@
 #include "aslio/experiment/study_status.hpp"
 #include "slurm_queue.hpp"
 #include "study_store.hpp"
+#include "study_uses.hpp"
 
 namespace aslio::experiment {
 
@@ -54,7 +55,12 @@ class Mark {
 class Cluster {
  public:
   Cluster(const Study& study, const StudyOptions& options, const SlurmOptions& slurm, StudyMonitor& monitor)
-      : study_(study), options_(options), slurm_(slurm), monitor_(monitor), queue_(options.output / "slurm", slurm) {
+      : study_(study),
+        options_(options),
+        slurm_(slurm),
+        monitor_(monitor),
+        queue_(options.output / "slurm", slurm),
+        used_(study) {
     const fs::path runs_folder = fs::absolute(options.output) / "runs";
     result_.runs = plan_runs(study, options.program, runs_folder);
     result_.rows = rows_so_far(study, result_.runs, options.output);
@@ -209,7 +215,7 @@ class Cluster {
       StudyRun& run = result_.runs[i];
       // A file that its pipeline names may have come since the runs were planned.
       run.key = run_key(study_, result_.runs, run, options_.program, fs::absolute(options_.output) / "runs");
-      const auto outcome = read_outcome(folder_of(i), run.key);
+      const auto outcome = used_.outcome(run, folder_of(i));
       if (!outcome) {
         ++at;
         continue;
@@ -261,6 +267,7 @@ class Cluster {
   const SlurmOptions& slurm_;
   StudyMonitor& monitor_;
   SlurmQueue queue_;
+  UsedFiles used_;
   StudyResult result_;
   std::vector<bool> selected_;
   std::vector<std::vector<std::size_t>> open_;  ///< runs to make, by data

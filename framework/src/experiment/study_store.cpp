@@ -29,6 +29,44 @@ std::string identity_of(const fs::path& folder) {
   return text;
 }
 
+std::vector<fs::path> bags_in(const fs::path& folder) {
+  std::vector<fs::path> bags;
+  std::error_code error;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    if (at->path().extension() == ".bag") bags.push_back(at->path());
+  }
+  std::sort(bags.begin(), bags.end());
+  return bags;
+}
+
+/// Content of identity.txt: the identity, and a line "BYTES NAME" for the bag, which may be lost or cut off later.
+std::string identity_text(const StudyData& data, const fs::path& folder) {
+  std::string text = data.identity + "\n";
+  for (const fs::path& bag : bags_in(folder)) {
+    std::error_code error;
+    const auto bytes = fs::file_size(bag, error);
+    if (!error) text += fmt::format("{} {}\n", bytes, bag.filename().string());
+  }
+  return text;
+}
+
+/// As large as when it was made. An identity.txt of earlier versions has no size: the bag must be there.
+bool has_bag(const fs::path& folder) {
+  std::ifstream stream(folder / kIdentityFile);
+  std::string line;
+  std::getline(stream, line);
+  bool any = false;
+  while (std::getline(stream, line)) {
+    const std::size_t space = line.find(' ');
+    if (space == std::string::npos) continue;
+    std::error_code error;
+    const auto bytes = fs::file_size(folder / line.substr(space + 1), error);
+    if (error || fmt::to_string(bytes) != line.substr(0, space)) return false;
+    any = true;
+  }
+  return any || !bags_in(folder).empty();
+}
+
 /// By name alone, and, for other data of the same name (another scale or another version of the scene), with identity.
 std::vector<fs::path> places(const fs::path& root, const StudyData& data) {
   return {root / data.name, root / fmt::format("{}-{}", data.name, data.identity.substr(0, 8))};
@@ -105,7 +143,7 @@ StudyStore::~StudyStore() {
 /// Whole data of this identity: `aslio simulate` writes dataset.yaml last, and the identity is written after it.
 bool StudyStore::holds(const fs::path& folder, const std::string& identity) const {
   std::error_code ignored;
-  return identity_of(folder) == identity && fs::exists(folder / "dataset.yaml", ignored) &&
+  return identity_of(folder) == identity && fs::exists(folder / "dataset.yaml", ignored) && has_bag(folder) &&
          (!world_ || fs::exists(folder / kWorldFile, ignored));
 }
 
@@ -141,11 +179,12 @@ fs::path StudyStore::begin(const StudyData& data) {
 fs::path StudyStore::commit(const StudyData& data) {
   Entry& entry = entries_.at(data.name);
   io::AtomicFile identity(entry.folder / kIdentityFile);
-  identity.write(data.identity + "\n");
+  identity.write(identity_text(data, entry.folder));
   identity.close();
   entry.lock.change(false);
   std::error_code error;
   for (const fs::path& folder : places(root_, data)) {
+    remove_broken(data, folder);
     fs::rename(entry.folder, folder, error);  // refuses where a folder with content stands
     if (error) continue;
     entry.folder = folder;
@@ -156,6 +195,14 @@ fs::path StudyStore::commit(const StudyData& data) {
   abandon(data);
   if (const auto folder = find(data)) return *folder;
   throw DataError(fmt::format("{}: simulated data cannot be put there: {}", root_.string(), error.message()));
+}
+
+void StudyStore::remove_broken(const StudyData& data, const fs::path& folder) const {
+  std::error_code ignored;
+  const bool whole = fs::exists(folder / "dataset.yaml", ignored) && has_bag(folder);  // maybe without the world
+  if (whole || identity_of(folder) != data.identity) return;
+  const auto lock = FolderLock::take(folder, true);
+  if (lock) fs::remove_all(folder, ignored);
 }
 
 void StudyStore::abandon(const StudyData& data) {

@@ -72,6 +72,8 @@ class StudyStore {
   };
   std::filesystem::path partial(const StudyData& data) const;
   bool holds(const std::filesystem::path& folder, const std::string& identity) const;
+  /// What is left of these data where a file of them is gone or cut off: the new ones take its place.
+  void remove_broken(const StudyData& data, const std::filesystem::path& folder) const;
   /// Truth and overlap are small, and what figures need: they stay.
   void keep_small_files(const StudyData& data, const std::filesystem::path& folder) const;
 

@@ -7,8 +7,8 @@
 
 namespace aslio::pipeline {
 
-/// Two samples of the IMU further apart are a gap, over which nothing is dead-reckoned or averaged [ns]. A fixed length:
-/// one that goes by the usual step would depend on the samples that have arrived.
+/// Two samples of the IMU further apart are a gap, over which nothing is dead-reckoned or averaged [ns]. A fixed
+/// length: one that goes by the usual step would depend on the samples that have arrived.
 inline constexpr TimeNs kImuGap = kSecond / 4;
 
 inline bool is_gap(const ImuSample& a, const ImuSample& b) { return b.t - a.t > kImuGap; }

@@ -116,6 +116,24 @@ class Configs {
   Json list_ = Json::array();
 };
 
+/// What of a run could not be read stands beside its status: one that is `ok` would be taken for whole.
+void add_note(Json& run, const std::string& note) {
+  const std::string reason = run["reason"].get<std::string>();
+  run["reason"] = reason.empty() ? note : reason + "; " + note;
+}
+
+/// Nothing when the file is not there; one that is no JSON object is noted.
+std::optional<Json> object_of(Json& run, const fs::path& file) {
+  const auto text = read_file(file);
+  if (!text) return std::nullopt;
+  Json json = Json::parse(*text, nullptr, false);
+  if (json.is_object()) return json;
+  const std::string name = file.filename().string();
+  // single_runs() has told it.
+  if (run["reason"].get<std::string>().find(name) == std::string::npos) add_note(run, name + ": it is no JSON object");
+  return std::nullopt;
+}
+
 Json run_json(const FolderRun& run, Configs& configs) {
   Json json = {{"data", run.data},     {"sequence", run.sequence}, {"seed", run.seed},     {"order", run.order_seed},
                {"method", run.method}, {"axes", run.axes},         {"status", run.status}, {"reason", run.reason}};
@@ -123,12 +141,10 @@ Json run_json(const FolderRun& run, Configs& configs) {
   for (const auto& figure : run.figures) figures.push_back(figure ? Json(*figure) : Json(nullptr));
   json["figures"] = figures;
   json["config"] = configs.index_of(run.folder / "resolved.yaml");
-  const Json manifest = Json::parse(read_file(run.folder / "manifest.json").value_or(""), nullptr, false);
-  if (manifest.is_object()) json["manifest"] = manifest;
-  const Json summary = Json::parse(read_file(run.folder / "summary.json").value_or(""), nullptr, false);
-  if (summary.is_object()) {
+  if (const auto manifest = object_of(json, run.folder / "manifest.json")) json["manifest"] = *manifest;
+  if (const auto summary = object_of(json, run.folder / "summary.json")) {
     for (const char* key : {"initialisation", "notes", "weak_updates"}) {
-      if (summary.contains(key)) json["summary"][key] = summary[key];
+      if (summary->contains(key)) json["summary"][key] = (*summary)[key];
     }
   }
   return json;
@@ -238,6 +254,26 @@ std::size_t fit(Json& json, std::size_t bytes) {
   return left;
 }
 
+std::size_t size_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace).size(); }
+
+/// Course of a run, null where there is none. What of its files could not be read is noted at the run, as far as that
+/// fits, and taken from the bytes that are left.
+Json course_json(const FolderRun& run, const DataTruth& truth, Json& at_page, std::size_t& left) {
+  Json series = series_json(run, truth);
+  if (series.is_null()) return series;
+  if (const auto notes = series.find("notes"); notes != series.end()) {
+    for (const Json& note : *notes) {
+      const std::size_t bytes = script_safe(note).size() + 2;
+      if (bytes > left) break;
+      left -= bytes;
+      add_note(at_page, note.get<std::string>());
+    }
+    series.erase("notes");
+  }
+  if (series["channels"].empty() && !series.contains("path")) return nullptr;
+  return series;
+}
+
 /// Courses of the runs, as many as fit, with what belongs to their recordings.
 void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits, std::size_t left) {
   std::size_t shown = 0;
@@ -247,15 +283,14 @@ void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits,
     const FolderRun& run = study.runs[i];
     if (!truths.contains(run.data)) truths[run.data] = read_truth(study, run.data);
     const DataTruth& truth = truths.at(run.data);
-    std::size_t bytes = 0;
+    Json series = course_json(run, truth, json["runs"][i], left);
+    if (series.is_null()) continue;
+    std::size_t bytes = size_of(series);
     Json recording;
     if (!data.contains(run.data)) {
       recording = data_json(study, run.data, truth);
-      bytes += recording.dump().size();
+      bytes += size_of(recording);
     }
-    Json series = series_json(run, truth);
-    if (series.is_null()) continue;
-    bytes += series.dump().size();
     if (bytes > left) break;
     left -= bytes;
     ++shown;
@@ -263,7 +298,7 @@ void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits,
     if (!recording.is_null()) data[run.data] = std::move(recording);
     if (data[run.data].contains("map")) continue;
     Json map = map_json(run, truth, limits.map_points);
-    const std::size_t size = map.is_null() ? left + 1 : map.dump().size();
+    const std::size_t size = map.is_null() ? left + 1 : size_of(map);
     if (size > left) continue;
     left -= size;
     data[run.data]["map"] = std::move(map);

@@ -21,10 +21,13 @@ Pose alignment_of(const Trajectory& estimate, const Trajectory& truth, const eva
 
 std::optional<Placed> place(const FolderRun& run, const DataTruth& truth) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(run.folder / "trajectory.tum", ignored)) return std::nullopt;
+  const std::filesystem::path file = run.folder / "trajectory.tum";
+  if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
+  // A run that found no state leaves an empty one, and its reason says so.
+  if (!run.good() && std::filesystem::file_size(file, ignored) == 0) return std::nullopt;
   Placed out;
   try {
-    out.poses = io::read_tum(run.folder / "trajectory.tum");
+    out.poses = io::read_tum(file);
     if (!truth.truth) return out;
     const auto options = experiment::measuring_options(*truth.truth, evaluation::Rule::interpolated);
     out.T_truth_run = alignment_of(Trajectory(out.poses), *truth.truth, options);
@@ -35,8 +38,8 @@ std::optional<Placed> place(const FolderRun& run, const DataTruth& truth) {
       if (const auto at = truth.truth->pose(pose.t, to_ns(options.max_reference_gap))) error = pose.T.p - at->p;
       out.errors.push_back(error);
     }
-  } catch (const DataError&) {
-    if (out.poses.empty()) return std::nullopt;
+  } catch (const DataError& error) {
+    if (out.poses.empty()) out.unreadable = error.what();
   }
   return out;
 }

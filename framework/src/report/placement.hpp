@@ -2,6 +2,7 @@
 /// Where a run's trajectory lies in the world of the truth.
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "aslio/report/run_series.hpp"
@@ -13,9 +14,10 @@ struct Placed {
   std::vector<Vec3> errors;  ///< position less truth [m], by pose; empty without truth. Held where the truth has a gap
   Pose T_truth_run;          ///< identity without truth
   bool aligned = false;
+  std::string unreadable;  ///< why there are no poses although there is a file
 };
 
-/// Aligned as the ATE is. Nothing when the run has no trajectory that can be read.
+/// Aligned as the ATE is. Nothing when the run has no trajectory.
 std::optional<Placed> place(const FolderRun& run, const DataTruth& truth);
 
 }  // namespace aslio::report

@@ -1,8 +1,11 @@
+#include "run_columns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
-
-#include "aslio/report/run_series.hpp"
 
 namespace aslio::report {
 
@@ -46,6 +49,7 @@ class Reader {
 
   void take(std::string_view line) {
     const auto cells = split(line);
+    ++lines_;
     if (cells.size() != names_.size()) return;
     TimeNs t = 0;
     for (std::size_t i = 0; i < names_.size(); ++i) {
@@ -60,6 +64,8 @@ class Reader {
     }
   }
 
+  bool has_time() const { return std::find(names_.begin(), names_.end(), "t_ns") != names_.end(); }
+  std::size_t lines() const { return lines_; }
   Columns finish() { return std::move(columns_); }
 
  private:
@@ -70,21 +76,39 @@ class Reader {
   Columns columns_;
   std::vector<std::string> names_;
   std::vector<Target> targets_;
+  std::size_t lines_ = 0;  ///< seen, those left out among them
 };
 
 }  // namespace
 
 std::optional<Columns> read_columns(const std::filesystem::path& path) {
+  std::vector<std::string> ignored;
+  return read_columns(path, ignored);
+}
+
+std::optional<Columns> read_columns(const std::filesystem::path& path, std::vector<std::string>& notes) {
   const auto text = read_file(path);
   if (!text) return std::nullopt;
+  const auto note = [&](const std::string& problem) { notes.push_back(path.filename().string() + ": " + problem); };
   std::string_view left = *text;
   std::size_t end = left.find('\n');
-  if (end == std::string_view::npos) return std::nullopt;
-  Reader reader(left.substr(0, end));
+  Reader reader(left.substr(0, end == std::string_view::npos ? 0 : end));
+  if (!reader.has_time()) {
+    note(text->empty() ? "it is empty" : "its first line names no column t_ns; the file is left out");
+    return std::nullopt;
+  }
   for (left.remove_prefix(end + 1); (end = left.find('\n')) != std::string_view::npos; left.remove_prefix(end + 1)) {
     reader.take(left.substr(0, end));
   }
+  if (!left.empty()) note("it is cut off in the middle of a line; what stands before is shown");
+  const std::size_t lines = reader.lines();
   Columns columns = reader.finish();
+  if (columns.t.size() < lines) {
+    note(
+        fmt::format("{} of {} lines have another number of cells than the first, or no time that is later than the "
+                    "one before; they are left out",
+                    lines - columns.t.size(), lines));
+  }
   if (columns.t.empty()) return std::nullopt;
   return columns;
 }

@@ -17,6 +17,7 @@
 #include "aslio/io/writers.hpp"
 #include "aslio/report/encode.hpp"
 #include "placement.hpp"
+#include "run_columns.hpp"
 
 namespace aslio::report {
 
@@ -150,8 +151,8 @@ Json weak_stretches(const Columns& columns, TimeNs origin) {
 }
 
 /// CPU of every update [ms], and by stage the mean over all.
-void put_timings(Json& json, const fs::path& file, TimeNs origin) {
-  const auto columns = read_columns(file);
+void put_timings(Json& json, const fs::path& file, TimeNs origin, std::vector<std::string>& notes) {
+  const auto columns = read_columns(file, notes);
   if (!columns) return;
   std::vector<double> total(columns->t.size(), 0.0);
   Json stages = Json::object();
@@ -170,8 +171,8 @@ void put_timings(Json& json, const fs::path& file, TimeNs origin) {
   json["stages_ms"] = stages;
 }
 
-void put_telemetry(Json& json, const fs::path& file, TimeNs origin) {
-  const auto columns = read_columns(file);
+void put_telemetry(Json& json, const fs::path& file, TimeNs origin, std::vector<std::string>& notes) {
+  const auto columns = read_columns(file, notes);
   if (!columns) return;
   Json& channels = json["channels"];
   put(channels, "sod", channel_of(*columns, "sod", origin));
@@ -182,6 +183,13 @@ void put_telemetry(Json& json, const fs::path& file, TimeNs origin) {
   put(channels, "weakest", channel_of(*columns, "eig_1", origin));
   put(channels, "iterations", channel_of(*columns, "iterations", origin));
   json["weak"] = weak_stretches(*columns, origin);
+}
+
+/// The complaint of a reader about a file of a run, less the folder: that is of this machine, and the page is for any.
+std::string within_run(std::string text, const FolderRun& run) {
+  const std::string folder = run.folder.string() + "/";
+  if (text.starts_with(folder)) text.erase(0, folder.size());
+  return text;
 }
 
 }  // namespace
@@ -235,7 +243,11 @@ Json data_json(const StudyFolder& study, const std::string& data, const DataTrut
 
 Json series_json(const FolderRun& run, const DataTruth& truth) {
   Json json = {{"channels", Json::object()}};
-  if (const auto placed = place(run, truth)) {
+  std::vector<std::string> notes;
+  const auto placed = place(run, truth);
+  if (placed && !placed->unreadable.empty()) {
+    notes.push_back(within_run(placed->unreadable, run) + "; the trajectory is left out");
+  } else if (placed) {
     json["path"] = path_json(placed->poses, truth.origin, placed->errors);
     json["aligned"] = placed->aligned;
     Channel channel;
@@ -244,9 +256,10 @@ Json series_json(const FolderRun& run, const DataTruth& truth) {
     }
     put(json["channels"], "error_cm", channel);
   }
-  put_telemetry(json, run.folder / "updates.csv", truth.origin);
-  put_timings(json, run.folder / "timings.csv", truth.origin);
-  if (json["channels"].empty() && !json.contains("path")) return nullptr;
+  put_telemetry(json, run.folder / "updates.csv", truth.origin, notes);
+  put_timings(json, run.folder / "timings.csv", truth.origin, notes);
+  if (!notes.empty()) json["notes"] = notes;
+  if (json["channels"].empty() && !json.contains("path") && notes.empty()) return nullptr;
   return json;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "aslio/core/errors.hpp"
@@ -206,13 +207,29 @@ void read_texts(StudyFolder& study) {
 
 /// Folders of single runs: the folder itself, or those in it.
 std::vector<fs::path> run_folders(const fs::path& folder) {
-  std::error_code error;
+  std::error_code error, ignored;
   if (fs::exists(folder / "summary.json", error)) return {folder};
   std::set<fs::path> found;
   for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
-    if (fs::exists(at->path() / "summary.json")) found.insert(at->path());
+    if (fs::exists(at->path() / "summary.json", ignored)) found.insert(at->path());
   }
   return {found.begin(), found.end()};
+}
+
+/// Outcome of a run; of one whose summary.json tells none a failure with the reason: it must not be missing from a
+/// page.
+experiment::StudyOutcome outcome_of(const fs::path& folder) {
+  if (auto outcome = experiment::read_summary_outcome(folder)) return *outcome;
+  const auto text = read_file(folder / "summary.json");
+  const auto json = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  const char* problem = !text              ? "it is no file that can be opened"
+                        : text->empty()    ? "it is empty"
+                        : json.is_object() ? "it names no status"
+                                           : "it is no JSON object";
+  return {.status = "failed",
+          .reason = fmt::format("summary.json cannot be read: {}; make the run again", problem),
+          .wall_s = 0,
+          .final = false};
 }
 
 /// Runs that no study has made: each sub-folder is a method on one and the same recording.
@@ -221,9 +238,8 @@ StudyFolder single_runs(const fs::path& folder) {
   study.folder = folder;
   std::vector<experiment::StudyRow> rows;
   for (const fs::path& path : run_folders(folder)) {
-    const auto outcome = experiment::read_summary_outcome(path);
-    if (!outcome) continue;
-    rows.push_back(experiment::read_row(path, *outcome));
+    const experiment::StudyOutcome outcome = outcome_of(path);
+    rows.push_back(experiment::read_row(path, outcome));
     const std::string name = fs::weakly_canonical(path).filename().string();
     study.runs.push_back({.data = "recording",
                           .sequence = "recording",
@@ -231,8 +247,8 @@ StudyFolder single_runs(const fs::path& folder) {
                           .order_seed = "0",
                           .method = name,
                           .axes = {},
-                          .status = outcome->status,
-                          .reason = outcome->reason,
+                          .status = outcome.status,
+                          .reason = outcome.reason,
                           .figures = {},
                           .folder = path});
     for (const auto& figure : rows.back().figures) add_once(study.figures, figure.first);

@@ -40,7 +40,9 @@ void create_folder(const fs::path& folder) {
 void remove_dataset_file(const fs::path& path) {
   std::error_code error;
   fs::remove(path, error);
-  if (error) throw DataError(fmt::format("{}: cannot replace it: {}", path.string(), error.message()));
+  if (error)
+    throw DataError(fmt::format("{}: cannot replace it: {}; name another folder, or let this one be written",
+                                path.string(), error.message()));
 }
 
 /// Takes packets in order to everything that is made of them.

@@ -25,13 +25,15 @@ Vec3 bias_at(const std::vector<ImuSample>& samples, const std::vector<Vec3>& bia
   return bias[k - 1] + share * (bias[k] - bias[k - 1]);
 }
 
-/// Text as a YAML scalar in double quotes.
+/// Text as a YAML scalar in double quotes. Control characters are escaped as scene.yaml has them: a configuration that
+/// holds one is refused.
 std::string yaml_text(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\') out += '\\';
-    if (c == '\n') {
-      out += "\\n";
+    if (byte < 0x20 || byte == 0x7f) {
+      fmt::format_to(std::back_inserter(out), "\\x{:02x}", static_cast<unsigned>(byte));
     } else {
       out += c;
     }
