@@ -229,23 +229,32 @@ TEST_CASE("what a killed study has finished is not repeated") {
   for (const auto& [path, time] : finished) CHECK(fs::last_write_time(path) == time);
 }
 
-TEST_CASE("a finished run whose summary is lost or torn is made again") {
+TEST_CASE("a finished run whose summary is lost, torn or cannot be read is made again") {
   const StudyFiles files;
-  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods({"torn", "lost", "whole"}) +
-                                 "metrics: [ate_m]\n");
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" +
+                                 methods({"torn", "lost", "whole", "no_file", "no_key_file"}) + "metrics: [ate_m]\n");
   const fs::path output = files.folder / "out", runs = output / "runs/scene_a_1";
   Quiet monitor;
   REQUIRE(run_study(study, options(output), monitor).failures() == 0);
   const auto before = tables(output);
   write_text(runs / "torn/summary.json", "");
   fs::remove(runs / "lost/summary.json");
+  for (const char* file : {"no_file/summary.json", "no_key_file/run_key.json"}) {
+    fs::remove(runs / file);
+    fs::create_directories(runs / file);
+  }
   const auto left = rows_so_far(study, plan_runs(study, "program", fs::absolute(output) / "runs"), output);
   CHECK_FALSE(left[0].has_value());
   CHECK_FALSE(left[1].has_value());
   CHECK(left[2].has_value());
+  CHECK_FALSE(left[3].has_value());
+  CHECK_FALSE(left[4].has_value());
   monitor.lines.clear();
   CHECK(run_study(study, options(output), monitor).failures() == 0);
-  CHECK_THAT(monitor.lines, Contains("scene_a_1/torn: ok") && Contains("scene_a_1/lost: ok") && !Contains("/whole"));
+  for (const char* run : {"torn", "lost", "no_file", "no_key_file"}) {
+    CHECK_THAT(monitor.lines, Contains(std::string("scene_a_1/") + run + ": ok"));
+  }
+  CHECK_THAT(monitor.lines, !Contains("/whole"));
   CHECK(tables(output) == before);
 }
 

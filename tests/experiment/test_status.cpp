@@ -181,6 +181,9 @@ TEST_CASE("where the outputs lie is no difference of configuration") {
   INFO(to_text(same));
   CHECK(same.same());
   CHECK(same.configurations.empty());
+  // A manifest that cannot be read is as good as none.
+  fs::create_directories(folder / "e1/runs/x_1/m/manifest.json");
+  CHECK(compare_folders(folder / "e1", folder / "e11").configurations.empty());
   // Of another run, or of another study, is one.
   write("e11", moved, "/runs/x_1/fixed/updates.csv");
   CHECK(compare_folders(folder / "e1", folder / "e11").configurations ==

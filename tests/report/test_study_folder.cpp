@@ -112,13 +112,15 @@ TEST_CASE("a run whose summary cannot be read is a failure with its reason, not 
     std::filesystem::create_directories(folder.path() / name);
     write_text(folder.path() / name / "summary.json", text);
   }
+  std::filesystem::create_directories(folder.path() / "folder/summary.json");
   std::filesystem::create_directories(folder.path() / "good");
   write_text(folder.path() / "good/summary.json", R"({"status": "ok", "metrics": {"ate_m": 0.5}})");
   const StudyFolder study = read_study_folder(folder.path());
-  REQUIRE(study.methods == std::vector<std::string>{"cut", "empty", "good", "mute"});
-  CHECK(study.runs[2].status == "ok");
+  REQUIRE(study.methods == std::vector<std::string>{"cut", "empty", "folder", "good", "mute"});
+  CHECK(study.runs[3].status == "ok");
   for (const auto& [run, reason] :
-       {std::pair(0, "it is no JSON object"), std::pair(1, "it is empty"), std::pair(3, "it names no status")}) {
+       {std::pair(0, "it is no JSON object"), std::pair(1, "it is empty"),
+        std::pair(2, "it is no file that can be opened"), std::pair(4, "it names no status")}) {
     CHECK(study.runs[static_cast<std::size_t>(run)].status == "failed");
     CHECK_THAT(study.runs[static_cast<std::size_t>(run)].reason,
                Contains(std::string("summary.json cannot be read: ") + reason + "; make the run again"));

@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "aslio/config/diff.hpp"
 #include "aslio/config/document.hpp"
@@ -105,7 +106,9 @@ Folder read_folder(const fs::path& path) {
 /// have been moved since.
 std::string origin_of(const Folder& folder, const Run& run) {
   std::ifstream stream(run.folder(folder.path) / "manifest.json", std::ios::binary);
-  const auto manifest = nlohmann::json::parse(stream, nullptr, false);
+  std::ostringstream text;
+  text << stream.rdbuf();  // parse() lets through what the stream throws where the file cannot be read
+  const auto manifest = nlohmann::json::parse(text.str(), nullptr, false);
   const std::string inside = run.folder({}).string();
   const auto command = manifest.find("command_line");
   if (command != manifest.end() && command->is_array()) {
