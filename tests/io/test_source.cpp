@@ -10,7 +10,7 @@ namespace aslio::io::test {
 namespace {
 
 /// A Livox message whose offsets go from 0 to `span` ns.
-std::vector<std::uint8_t> spanning(TimeNs stamp, TimeNs span, int points = 20) {
+std::vector<std::uint8_t> spanning(TimeNs stamp, TimeNs span, int points = 100) {
   std::vector<rosbag::LivoxPoint> cloud(static_cast<std::size_t>(points), {0, 5, 0, 0, 10, 0x10, 0});
   for (int i = 0; i < points; ++i) {
     cloud[static_cast<std::size_t>(i)].offset_time = static_cast<std::uint32_t>(span * i / (points - 1));
@@ -221,13 +221,18 @@ TEST_CASE("livox offsets of another unit are refused, or left alone when that is
   CHECK(contains(micro, "require_point_times: false"));
   CHECK(contains(error(100'000, 0.05), "the first message spans 0.0001 s where"));
   CHECK(contains(error(100'000, 0.5), "the first 5 messages span at most"));
+  // Of a driver that sends 3 ms at a time; in milliseconds that would be 30 sweeps.
+  CHECK(contains(error(3'000), "is offset_time in microseconds?"));
   CHECK(contains(error(100), "is offset_time in milliseconds?"));
   SensorConfig quick;
-  quick.model.sweep_period = 0.001;
+  quick.model.sweep_period = 0.0001;
   CHECK(contains(error(99'000'000, 2, quick), "is offset_time in ns, and `sweep_period` right?"));
   // Drivers send 10 ms at a time, too.
   CHECK(error(10'000'000).empty());
   CHECK(error(5'000'000).empty());
+  // A 1/167 of the sweep is no other unit yet, a 1/250 is.
+  CHECK(error(600'000).empty());
+  CHECK(contains(error(400'000), "the first 10 messages span at most 0.0004 s"));
 
   TemporaryFolder folder;
   Recording recording;
@@ -242,7 +247,7 @@ TEST_CASE("livox offsets of another unit are refused, or left alone when that is
     const auto* packet = std::get_if<LidarPacket>(&*measurement);
     if (packet == nullptr) continue;
     ++packets;
-    REQUIRE(packet->points.size() == 20);
+    REQUIRE(packet->points.size() == 100);
     CHECK(packet->points.back().t == packet->stamp);
   }
   CHECK(packets == 20);
@@ -259,7 +264,7 @@ TEST_CASE("first livox messages that are cut off or malformed do not speak for t
   CHECK(contains(source->notes().verdicts, "livox offset_time, ns from the time base (0.000000 to 0.099000 s)"));
   CHECK(drain(*source).packets == 19);
   // Fewer points than tell: nothing is refused for them, and it is said.
-  recording.lidar = [](int, TimeNs stamp) { return spanning(stamp, 100'000, 5); };
+  recording.lidar = [](int, TimeNs stamp) { return spanning(stamp, 100'000, 99); };
   recording.write(folder / "b.bag");
   CHECK(contains(open_source(folder / "b.bag", {})->notes().warnings, "no message has enough returns to judge"));
 }
@@ -273,6 +278,7 @@ TEST_CASE("malformed messages are skipped and counted, a malformed first one is 
   recording.write(folder / "a.bag");
   const auto source = open_source(folder / "a.bag", {});
   CHECK(source->notes().malformed == 0);
+  CHECK_FALSE(contains(source->notes().warnings, "malformed"));
   CHECK(drain(*source).packets == 18);
   CHECK(source->notes().malformed == 2);
   CHECK(contains(source->notes().warnings, "2 malformed message(s) skipped"));

@@ -39,7 +39,7 @@ class LivoxDecoder final : public LidarDecoder {
                                            base(), 1e-9 * facts.first_offset, 1e-9 * facts.last_offset));
       return true;
     }
-    if (facts.valid < kEnoughPoints) return false;
+    if (facts.valid < (facts.last_offset == 0 ? kEnoughZeros : kEnoughPoints)) return false;
     if (doubtful_++ == 0 || facts.span() > longest_.span()) longest_ = facts;
     if (doubtful_ < kEnoughMessages) return false;
     reject_offsets(notes);
@@ -57,11 +57,12 @@ class LivoxDecoder final : public LidarDecoder {
   }
 
  private:
-  static constexpr std::uint32_t kEnoughPoints = 10;
+  static constexpr std::uint32_t kEnoughPoints = 100;  ///< few, of one corner of the view, may be of one moment
+  static constexpr std::uint32_t kEnoughZeros = 10;    ///< no moment has offset 0 by chance in that many
   static constexpr std::size_t kEnoughMessages = 10;
 
   bool is_sweep(double span) const {
-    constexpr double kFactor = 50;
+    constexpr double kFactor = 200;
     return span >= sweep_period_ / kFactor && span <= sweep_period_ * kFactor;
   }
 
@@ -81,8 +82,12 @@ class LivoxDecoder final : public LidarDecoder {
     const double span = longest_.span();
     if (span == 0) return fmt::format("offset_time is {} in all {} points", longest_.first_offset, longest_.valid);
     const char* guess = "is offset_time in ns, and `sweep_period` right?";
-    if (is_sweep(1e3 * span)) guess = "is offset_time in microseconds?";
-    if (is_sweep(1e6 * span)) guess = "is offset_time in milliseconds?";
+    // Both may fit; messages are shorter than a sweep rather than longer, so that the smaller unit is meant.
+    if (is_sweep(1e3 * span)) {
+      guess = "is offset_time in microseconds?";
+    } else if (is_sweep(1e6 * span)) {
+      guess = "is offset_time in milliseconds?";
+    }
     const std::string first = doubtful_ == 1 ? std::string("the first message spans")
                                              : fmt::format("the first {} messages span at most", doubtful_);
     return fmt::format("{} {:.6g} s where `sweep_period` is {} s ({})", first, span, sweep_period_, guess);
