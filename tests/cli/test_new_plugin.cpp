@@ -51,5 +51,5 @@ TEST_CASE("a new plugin without a folder is refused") {
   const Ended ended = run_aslio({"new-plugin", "windows/x", ""});
   INFO(ended.err);
   CHECK(ended.code == 2);
-  CHECK_THAT(ended.err, Contains("DIR: '' is no folder; name one that does not exist"));
+  CHECK_THAT(ended.err, Contains("the argument after 'windows/x' is empty: give a value"));
 }

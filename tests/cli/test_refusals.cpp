@@ -116,6 +116,19 @@ TEST_CASE("an unknown command is named, with the nearest") {
   CHECK_THAT(far.err, Contains("unknown command 'frobnicate'; there are: run"));
 }
 
+TEST_CASE("an empty argument is refused, and told where it stands") {
+  const Ended path = run_aslio({"report", ""});
+  CHECK(path.code == 2);
+  CHECK_THAT(path.err,
+             Contains("the argument after 'report' is empty: give a value (a shell variable that is not set"));
+  const Ended option = run_aslio({"report", ".", "--output", "", "--format", "md"});
+  CHECK(option.code == 2);
+  CHECK_THAT(option.err, Contains("the argument after '--output' is empty"));
+  const Ended joined = run_aslio({"report", ".", "--output="});
+  CHECK(joined.code == 2);
+  CHECK_THAT(joined.err, Contains("the value of '--output' is empty"));
+}
+
 TEST_CASE("results that stdout does not take are a failure") {
   for (const char* command : {"version", "--version", "list", "--help"}) {
     const Ended ended = run_aslio_to("/dev/full", {command});

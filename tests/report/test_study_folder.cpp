@@ -15,6 +15,7 @@
 using namespace aslio::report;
 using namespace aslio::test;
 using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -142,8 +143,13 @@ TEST_CASE("files of a run that cannot be read are told beside its status, and th
   write_text(run / "timings.csv", "no telemetry\n1\n");
   write_text(run / "manifest.json", "{");
   write_text(other / "updates.csv", "t_ns,status,sod\n100,ok,0.5\n200,ok\n300,ok,0.5\n");
-  const auto json = data_of(make_page(fixture.study(), kBundle));
+  std::vector<std::string> unreadable;
+  const auto json = data_of(make_page(fixture.study(), kBundle, {}, &unreadable));
   CHECK(json["runs"][0]["status"] == "ok");
+  REQUIRE(unreadable.size() == 5);
+  CHECK(unreadable[0] == (run / "manifest.json").string() + ": it is no JSON object");
+  CHECK_THAT(unreadable[1], StartsWith(run.string() + ": trajectory.tum:1: 2 columns"));
+  CHECK_THAT(unreadable[4], StartsWith(other.string() + ": updates.csv: 1 of 3 lines"));
   const std::string reason = json["runs"][0]["reason"];
   INFO(reason);
   CHECK_THAT(reason, Contains("trajectory.tum:1: 2 columns where TUM has 8") &&

@@ -56,6 +56,18 @@ void require_known_command(const std::vector<Command>& commands, const std::vect
                                 fmt::join(names, ", ")));
 }
 
+/// No argument may be empty; a path that is would stand for the working folder, or for none given.
+void require_values(const std::vector<std::string>& command_line) {
+  for (std::size_t i = 1; i < command_line.size(); ++i) {
+    const std::string& word = command_line[i];
+    const bool no_value = word.starts_with("--") && word.ends_with('=');
+    if (!word.empty() && !no_value) continue;
+    throw ConfigError(fmt::format("{} '{}' is empty: give a value (a shell variable that is not set leaves none)",
+                                  no_value ? "the value of" : "the argument after",
+                                  no_value ? word.substr(0, word.size() - 1) : command_line[i - 1]));
+  }
+}
+
 std::string without_line_feed(std::string text) {
   while (text.ends_with('\n')) text.pop_back();
   return text;
@@ -74,6 +86,7 @@ int run_command_line(int argc, char** argv) {
   const std::vector<std::string> command_line(argv, argv + argc);
   const auto commands = add_commands(root, command_line);
   require_known_command(commands, command_line);
+  require_values(command_line);
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -152,7 +152,6 @@ class Unfinished {
 
 /// The folder to be made, absolute and without a slash at its end. Throws ConfigError.
 fs::path new_folder(const std::string& directory) {
-  if (directory.empty()) throw ConfigError("DIR: '' is no folder; name one that does not exist, for example my_window");
   std::error_code error, ignored;
   fs::path folder = fs::absolute(directory, error).lexically_normal();
   if (error) throw ConfigError(fmt::format("{}: {}; give the whole path", directory, error.message()));

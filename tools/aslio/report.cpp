@@ -32,13 +32,25 @@ struct Arguments {
 /// Where the page's script and style lie, beside this program: in a build folder and where it is installed.
 fs::path bundle_folder() { return fs::canonical("/proc/self/exe").parent_path() / "../share/aslio/report"; }
 
-std::string text_of(const report::StudyFolder& study, const std::string& format, const Arguments& a) {
+/// `unreadable`: what of the runs' files could not be read is added.
+std::string text_of(const report::StudyFolder& study, const std::string& format, const Arguments& a,
+                    std::vector<std::string>& unreadable) {
   if (format == "md") return report::to_markdown(study);
   if (format == "tex") return report::to_latex(study);
   if (format == "csv") return report::to_csv(study);
   report::PageLimits limits;
   limits.bytes = static_cast<std::size_t>(kMegabyte * a.limit_mb);
-  return report::make_page(study, report::read_bundle(bundle_folder().lexically_normal()), limits);
+  return report::make_page(study, report::read_bundle(bundle_folder().lexically_normal()), limits, &unreadable);
+}
+
+/// The first few, which show what they are of; the page has all.
+void warn_of(const std::vector<std::string>& unreadable) {
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(kShown, unreadable.size()); ++i) tell("warning: " + unreadable[i]);
+  if (unreadable.size() > kShown) {
+    tell(fmt::format("warning: {} more files of runs could not be read; the page names them",
+                     unreadable.size() - kShown));
+  }
 }
 
 /// The desktop's program for such a file; its output is of no interest.
@@ -73,10 +85,12 @@ int make_report(const Arguments& a) {
   const report::StudyFolder study = report::read_study_folder(a.folder);
   for (const std::string& format : formats) {
     const fs::path path = a.output.empty() ? fs::path(a.folder) / ("report." + format) : fs::path(a.output);
-    const std::string text = text_of(study, format, a);
+    std::vector<std::string> unreadable;
+    const std::string text = text_of(study, format, a, unreadable);
     io::AtomicFile file(path, true);
     file.write(text);
     file.close();
+    warn_of(unreadable);
     if (!a.quiet) print(fmt::format("{} ({:.1f} MB)\n", path.string(), static_cast<double>(text.size()) / kMegabyte));
     if (format == "html" && a.open) open_file(path);
   }

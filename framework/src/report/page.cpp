@@ -123,26 +123,27 @@ void add_note(Json& run, const std::string& note) {
 }
 
 /// Nothing when the file is not there; one that is no JSON object is noted.
-std::optional<Json> object_of(Json& run, const fs::path& file) {
+std::optional<Json> object_of(Json& run, const fs::path& file, std::vector<std::string>& unreadable) {
   const auto text = read_file(file);
   if (!text) return std::nullopt;
   Json json = Json::parse(*text, nullptr, false);
   if (json.is_object()) return json;
   const std::string name = file.filename().string();
+  unreadable.push_back(file.string() + ": it is no JSON object");
   // single_runs() has told it.
   if (run["reason"].get<std::string>().find(name) == std::string::npos) add_note(run, name + ": it is no JSON object");
   return std::nullopt;
 }
 
-Json run_json(const FolderRun& run, Configs& configs) {
+Json run_json(const FolderRun& run, Configs& configs, std::vector<std::string>& unreadable) {
   Json json = {{"data", run.data},     {"sequence", run.sequence}, {"seed", run.seed},     {"order", run.order_seed},
                {"method", run.method}, {"axes", run.axes},         {"status", run.status}, {"reason", run.reason}};
   Json figures = Json::array();
   for (const auto& figure : run.figures) figures.push_back(figure ? Json(*figure) : Json(nullptr));
   json["figures"] = figures;
   json["config"] = configs.index_of(run.folder / "resolved.yaml");
-  if (const auto manifest = object_of(json, run.folder / "manifest.json")) json["manifest"] = *manifest;
-  if (const auto summary = object_of(json, run.folder / "summary.json")) {
+  if (const auto manifest = object_of(json, run.folder / "manifest.json", unreadable)) json["manifest"] = *manifest;
+  if (const auto summary = object_of(json, run.folder / "summary.json", unreadable)) {
     for (const char* key : {"initialisation", "notes", "weak_updates"}) {
       if (summary->contains(key)) json["summary"][key] = (*summary)[key];
     }
@@ -257,11 +258,15 @@ std::size_t fit(Json& json, std::size_t bytes) {
 std::size_t size_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace).size(); }
 
 /// Course of a run, null where there is none. What of its files could not be read is noted at the run, as far as that
-/// fits, and taken from the bytes that are left.
-Json course_json(const FolderRun& run, const DataTruth& truth, Json& at_page, std::size_t& left) {
+/// fits, and taken from the bytes that are left; all of it is added to `unreadable`.
+Json course_json(const FolderRun& run, const DataTruth& truth, Json& at_page, std::size_t& left,
+                 std::vector<std::string>& unreadable) {
   Json series = series_json(run, truth);
   if (series.is_null()) return series;
   if (const auto notes = series.find("notes"); notes != series.end()) {
+    for (const Json& note : *notes) {
+      unreadable.push_back(fmt::format("{}: {}", run.folder.string(), note.get<std::string>()));
+    }
     for (const Json& note : *notes) {
       const std::size_t bytes = script_safe(note).size() + 2;
       if (bytes > left) break;
@@ -275,7 +280,8 @@ Json course_json(const FolderRun& run, const DataTruth& truth, Json& at_page, st
 }
 
 /// Courses of the runs, as many as fit, with what belongs to their recordings.
-void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits, std::size_t left) {
+void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits, std::size_t left,
+                 std::vector<std::string>& unreadable) {
   std::size_t shown = 0;
   std::map<std::string, DataTruth> truths;
   Json data = Json::object();
@@ -283,7 +289,7 @@ void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits,
     const FolderRun& run = study.runs[i];
     if (!truths.contains(run.data)) truths[run.data] = read_truth(study, run.data);
     const DataTruth& truth = truths.at(run.data);
-    Json series = course_json(run, truth, json["runs"][i], left);
+    Json series = course_json(run, truth, json["runs"][i], left, unreadable);
     if (series.is_null()) continue;
     std::size_t bytes = size_of(series);
     Json recording;
@@ -308,7 +314,8 @@ void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits,
 }
 
 /// `bytes`: for all of it.
-Json study_json(const StudyFolder& study, const PageLimits& limits, std::size_t bytes) {
+Json study_json(const StudyFolder& study, const PageLimits& limits, std::size_t bytes,
+                std::vector<std::string>& unreadable) {
   Json baselines = Json::array();
   for (const auto& baseline : study.baseline) baselines.push_back(baseline ? Json(*baseline) : Json(nullptr));
   Json json = {{"format", 1},
@@ -334,11 +341,11 @@ Json study_json(const StudyFolder& study, const PageLimits& limits, std::size_t 
                {"markdown", to_markdown(study)}};
   Configs configs;
   Json runs = Json::array();
-  for (const FolderRun& run : study.runs) runs.push_back(run_json(run, configs));
+  for (const FolderRun& run : study.runs) runs.push_back(run_json(run, configs, unreadable));
   json["runs"] = std::move(runs);
   json["configs"] = configs.take();
   share_manifests(json);
-  put_courses(json, study, limits, fit(json, bytes));
+  put_courses(json, study, limits, fit(json, bytes), unreadable);
   return json;
 }
 
@@ -372,7 +379,9 @@ Bundle read_bundle(const fs::path& folder) {
   return {*script, *style};
 }
 
-std::string make_page(const StudyFolder& study, const Bundle& bundle, const PageLimits& limits) {
+std::string make_page(const StudyFolder& study, const Bundle& bundle, const PageLimits& limits,
+                      std::vector<std::string>* unreadable) {
+  std::vector<std::string> problems;
   std::string page = fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {}; style-src {}; "
@@ -386,7 +395,8 @@ std::string make_page(const StudyFolder& study, const Bundle& bundle, const Page
       "allow scripts to see them, or use `aslio report --format md`.</noscript>\n"
       "<div id=\"report\"></div>\n<script type=\"application/json\" id=\"study\">";
   const std::size_t frame = bundle.script.size() + bundle.style.size() + kFrameBytes;
-  page += script_safe(study_json(study, limits, limits.bytes > frame ? limits.bytes - frame : 0));
+  page += script_safe(study_json(study, limits, limits.bytes > frame ? limits.bytes - frame : 0, problems));
+  if (unreadable != nullptr) unreadable->insert(unreadable->end(), problems.begin(), problems.end());
   page += "</script>\n<script>";
   page += bundle.script;
   page += "</script>\n</body>\n</html>\n";

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "aslio/report/study_folder.hpp"
 
@@ -22,7 +23,9 @@ struct PageLimits {
   std::size_t map_points = 120'000;  ///< of one recording
 };
 
-/// The whole page. The same folder gives the same bytes.
-std::string make_page(const StudyFolder& study, const Bundle& bundle, const PageLimits& limits = {});
+/// The whole page. The same folder gives the same bytes. What of the runs' files cannot be read stands on the page, and
+/// is added to `unreadable`, a sentence each.
+std::string make_page(const StudyFolder& study, const Bundle& bundle, const PageLimits& limits = {},
+                      std::vector<std::string>* unreadable = nullptr);
 
 }  // namespace aslio::report
