@@ -38,6 +38,11 @@ constexpr std::uint64_t pack(const VoxelCell& c) {
          static_cast<std::uint64_t>(c.z + offset);
 }
 
+/// Squared distance [m^2] to a cube with the given edge [m] of a point `relative` to its corner [m]; 0 inside.
+inline double squared_distance_to_cube(const Vec3& relative, double edge) {
+  return (relative - relative.cwiseMax(0.0).cwiseMin(edge)).squaredNorm();
+}
+
 /// Packed cell -> number, linear probing, at most half full. Not iterated: order depends on the hash alone.
 class CellIndex {
  public:

@@ -102,9 +102,7 @@ InsertCount IkdTree::insert(std::span<const WorldPoint> points, std::uint32_t st
 }
 
 void IkdTree::trim(const Vec3& centre_W) {
-  if (!centre_W.allFinite() || (trimmed_ && (centre_W - trimmed_at_).norm() < kTrimStep)) return;
-  trimmed_ = true;
-  trimmed_at_ = centre_W;
+  if (!trims_.due(centre_W, kTrimStep)) return;
   tree_.erase(Beyond(centre_W, params_.radius));
   tree_.settle();
 }
@@ -118,7 +116,7 @@ std::size_t IkdTree::erase_box(const Vec3& low_W, const Vec3& high_W) {
 void IkdTree::clear() {
   tree_.clear();
   next_order_ = 0;
-  trimmed_ = false;
+  trims_.reset();
 }
 
 void IkdTree::visit(const std::function<void(const Vec3&)>& visitor) const {

@@ -4,6 +4,7 @@
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
 #include "maps/point_tree.hpp"
+#include "maps/trim_gate.hpp"
 
 namespace aslio::plugins {
 
@@ -42,8 +43,7 @@ class IkdTree final : public Map {
   exec::Executor& exec_;
   PointTree tree_;
   std::uint32_t next_order_ = 0;
-  Vec3 trimmed_at_ = Vec3::Zero();
-  bool trimmed_ = false;
+  TrimGate trims_;
 };
 
 }  // namespace aslio::plugins

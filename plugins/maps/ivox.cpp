@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-#include <tuple>
 #include <utility>
+
+#include "maps/cell_points.hpp"
 
 namespace aslio::plugins {
 
@@ -185,15 +185,11 @@ InsertCount Ivox::insert(std::span<const WorldPoint> points, std::uint32_t stamp
 }
 
 void Ivox::trim(const Vec3& centre_W) {
-  // One pass over all voxels per voxel edge of motion: the rest of the calls cost nothing.
-  if (!centre_W.allFinite() || (trimmed_ && (centre_W - trimmed_at_).norm() < params_.voxel)) return;
-  trimmed_ = true;
-  trimmed_at_ = centre_W;
+  if (!trims_.due(centre_W, params_.voxel)) return;
   for (std::uint32_t number = 0; number < voxels_.size(); ++number) {
     if (voxels_[number].count == 0) continue;
     const Vec3 relative = centre_W - corner(voxels_[number].cell);
-    const Vec3 outside = relative - relative.cwiseMax(0.0).cwiseMin(params_.voxel);
-    if (outside.squaredNorm() > params_.radius * params_.radius) drop(number);
+    if (squared_distance_to_cube(relative, params_.voxel) > params_.radius * params_.radius) drop(number);
   }
 }
 
@@ -205,7 +201,7 @@ void Ivox::clear() {
   newest_ = oldest_ = kNone;
   used_ = size_ = 0;
   next_order_ = 0;
-  trimmed_ = false;
+  trims_.reset();
 }
 
 std::size_t Ivox::memory_bytes() const {
@@ -214,22 +210,8 @@ std::size_t Ivox::memory_bytes() const {
 }
 
 void Ivox::visit(const std::function<void(const Vec3&)>& visitor) const {
-  std::vector<const Voxel*> order;
-  for (const Voxel& voxel : voxels_) {
-    if (voxel.count > 0) order.push_back(&voxel);
-  }
-  std::sort(order.begin(), order.end(), [](auto* a, auto* b) { return pack(a->cell) < pack(b->cell); });
-  std::vector<std::uint32_t> inside;
-  for (const Voxel* voxel : order) {
-    inside.resize(voxel->count);
-    std::iota(inside.begin(), inside.end(), 0U);
-    const Chunk& points = voxel->points;
-    const auto key = [&](std::uint32_t i) { return std::tuple(points.x[i], points.y[i], points.z[i]); };
-    std::sort(inside.begin(), inside.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-    for (const std::uint32_t i : inside) {
-      visitor(corner(voxel->cell) + Eigen::Vector3f(points.x[i], points.y[i], points.z[i]).cast<double>());
-    }
-  }
+  const auto corner_of = [this](const VoxelCell& cell) { return corner(cell); };
+  visit_by_cell(std::span<const Voxel>(voxels_), corner_of, visitor);
 }
 
 }  // namespace aslio::plugins

@@ -6,6 +6,7 @@
 #include "maps/block_pool.hpp"
 #include "maps/cell_index.hpp"
 #include "maps/nearest.hpp"
+#include "maps/trim_gate.hpp"
 
 namespace aslio::plugins {
 
@@ -73,8 +74,7 @@ class Ivox final : public Map {
   std::size_t used_ = 0;  ///< voxels
   std::size_t size_ = 0;  ///< points
   std::uint32_t next_order_ = 0;
-  Vec3 trimmed_at_ = Vec3::Zero();
-  bool trimmed_ = false;
+  TrimGate trims_;
 };
 
 }  // namespace aslio::plugins

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-#include <tuple>
 #include <utility>
 
+#include "maps/cell_points.hpp"
 #include "maps/nearest.hpp"
 
 namespace aslio::plugins {
@@ -237,15 +236,11 @@ void VoxelHash::drop_block(std::uint32_t number) {
 }
 
 void VoxelHash::trim(const Vec3& centre_W) {
-  // One pass over all voxels per voxel edge of motion: the rest of the calls cost nothing.
-  if (!centre_W.allFinite() || (trimmed_ && (centre_W - trimmed_at_).norm() < params_.voxel)) return;
-  trimmed_ = true;
-  trimmed_at_ = centre_W;
+  if (!trims_.due(centre_W, params_.voxel)) return;
   for (std::uint32_t number = 0; number < blocks_.size(); ++number) {
     if (blocks_[number].count == 0) continue;
     const Vec3 relative = centre_W - corner(blocks_[number].cell);
-    const Vec3 outside = (relative - relative.cwiseMax(0.0).cwiseMin(params_.voxel));
-    if (outside.squaredNorm() > params_.radius * params_.radius) drop_block(number);
+    if (squared_distance_to_cube(relative, params_.voxel) > params_.radius * params_.radius) drop_block(number);
   }
 }
 
@@ -256,7 +251,7 @@ void VoxelHash::clear() {
   free_blocks_.clear();
   size_ = 0;
   next_order_ = 0;
-  trimmed_ = false;
+  trims_.reset();
 }
 
 std::size_t VoxelHash::memory_bytes() const {
@@ -265,22 +260,8 @@ std::size_t VoxelHash::memory_bytes() const {
 }
 
 void VoxelHash::visit(const std::function<void(const Vec3&)>& visitor) const {
-  std::vector<const Block*> order;
-  for (const Block& block : blocks_) {
-    if (block.count > 0) order.push_back(&block);
-  }
-  std::sort(order.begin(), order.end(), [](auto* a, auto* b) { return pack(a->cell) < pack(b->cell); });
-  std::vector<std::uint32_t> inside;
-  for (const Block* block : order) {
-    inside.resize(block->count);
-    std::iota(inside.begin(), inside.end(), 0U);
-    const Chunk& points = block->points;
-    const auto key = [&](std::uint32_t i) { return std::tuple(points.x[i], points.y[i], points.z[i]); };
-    std::sort(inside.begin(), inside.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-    for (const std::uint32_t i : inside) {
-      visitor(corner(block->cell) + Eigen::Vector3f(points.x[i], points.y[i], points.z[i]).cast<double>());
-    }
-  }
+  const auto corner_of = [this](const VoxelCell& cell) { return corner(cell); };
+  visit_by_cell(std::span<const Block>(blocks_), corner_of, visitor);
 }
 
 }  // namespace aslio::plugins

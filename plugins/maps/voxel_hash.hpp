@@ -5,6 +5,7 @@
 #include "aslio/stages/map.hpp"
 #include "maps/block_pool.hpp"
 #include "maps/cell_index.hpp"
+#include "maps/trim_gate.hpp"
 
 namespace aslio::plugins {
 
@@ -60,8 +61,7 @@ class VoxelHash final : public Map {
   std::vector<std::uint32_t> free_blocks_;
   std::size_t size_ = 0;
   std::uint32_t next_order_ = 0;
-  Vec3 trimmed_at_ = Vec3::Zero();
-  bool trimmed_ = false;
+  TrimGate trims_;
 };
 
 }  // namespace aslio::plugins

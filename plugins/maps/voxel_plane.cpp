@@ -408,15 +408,11 @@ void VoxelPlane::release(std::uint32_t root) {
 }
 
 void VoxelPlane::trim(const Vec3& centre_W) {
-  // One pass over all voxels per voxel edge of motion: the rest of the calls cost nothing.
-  if (!centre_W.allFinite() || (trimmed_ && (centre_W - trimmed_at_).norm() < params_.voxel)) return;
-  trimmed_ = true;
-  trimmed_at_ = centre_W;
+  if (!trims_.due(centre_W, params_.voxel)) return;
   for (std::uint32_t number = 0; number < roots_.size(); ++number) {
     if (!roots_[number].in_use || roots_[number].second) continue;
     const Vec3 relative = centre_W - corner(roots_[number].cell);
-    const Vec3 outside = relative - relative.cwiseMax(0.0).cwiseMin(params_.voxel);
-    if (outside.squaredNorm() > params_.radius * params_.radius) drop(number);
+    if (squared_distance_to_cube(relative, params_.voxel) > params_.radius * params_.radius) drop(number);
   }
 }
 
@@ -427,7 +423,7 @@ void VoxelPlane::clear() {
   nodes_.clear();
   free_blocks_.clear();
   roots_in_use_ = 0;
-  trimmed_ = false;
+  trims_.reset();
 }
 
 std::size_t VoxelPlane::memory_bytes() const {

@@ -7,6 +7,7 @@
 #include "aslio/stages/map.hpp"
 #include "maps/cell_batch.hpp"
 #include "maps/chunked.hpp"
+#include "maps/trim_gate.hpp"
 
 namespace aslio::plugins {
 
@@ -134,8 +135,7 @@ class VoxelPlane final : public Map {
   Chunked<Node, 12> nodes_;  ///< below the roots, in blocks of eight
   std::vector<std::uint32_t> free_blocks_;
   std::vector<Touched> touched_;
-  Vec3 trimmed_at_ = Vec3::Zero();
-  bool trimmed_ = false;
+  TrimGate trims_;
 };
 
 }  // namespace aslio::plugins
