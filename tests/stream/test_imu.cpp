@@ -131,6 +131,39 @@ TEST_CASE("a pause of up to a minute is believed once a second sample confirms i
   }
 }
 
+TEST_CASE("IMU data of which every sample comes twice are judged like others") {
+  MeasurementStream stream;
+  const auto twice = [&](TimeNs t) {
+    stream.push(imu(t));
+    stream.push(imu(t));
+  };
+  for (int i = 0; i < 10; ++i) twice(kEpoch + i * kPeriod);
+  twice(kEpoch + 30 * kSecond);  // a wild stamp
+  for (int i = 10; i < 20; ++i) twice(kEpoch + i * kPeriod);
+  CHECK(stream.counters().imu == 20);
+  CHECK(stream.counters().imu_time_jumps == 1);
+  CHECK(stream.counters().imu_duplicate == 21);
+  twice(kEpoch - 20 * kSecond);
+  twice(kEpoch - 20 * kSecond + kPeriod);
+  CHECK_THROWS_WITH(stream.push(imu(kEpoch - 20 * kSecond + 2 * kPeriod)), Catch::StartsWith("IMU clock jumped back"));
+}
+
+TEST_CASE("the last IMU sample after a pause is taken where points reach there") {
+  for (const bool reached : {true, false}) {
+    MeasurementStream stream;
+    stream.push(imu(kEpoch));
+    LidarPacket packet;
+    TimedPoint point;
+    point.t = kEpoch + (reached ? 5 : 3) * kSecond;
+    packet.points.push_back(point);
+    stream.push(std::move(packet));
+    stream.push(imu(kEpoch + 5 * kSecond));
+    stream.finish();
+    CHECK(stream.counters().imu == (reached ? 2 : 1));
+    CHECK(stream.counters().imu_time_jumps == (reached ? 0 : 1));
+  }
+}
+
 TEST_CASE("wild stamps that do not agree with each other never end a run") {
   MeasurementStream stream;
   std::mt19937_64 random(1);

@@ -202,12 +202,38 @@ TEST_CASE("a packet far ahead waits for the next one to tell a pause from a wild
   CHECK(stream.counters().longest_point_step == step - 99'000);
   stream.push(regular_packet(3, kEpoch + 7 * kSecond, 1000, 100));
   CHECK(stream.counters().points == 200);
-  stream.push(regular_packet(3, kEpoch + 7 * kSecond, 1000, 100));  // a copy confirms it, and is none the less a copy
-  CHECK(stream.counters().points == 300);
+  stream.push(regular_packet(3, kEpoch + 7 * kSecond, 1000, 100));  // a copy confirms nothing
+  CHECK(stream.counters().points == 200);
   CHECK(stream.counters().duplicate_packets == 1);
   stream.push(regular_packet(4, kEpoch + 7 * kSecond + step, 1000, 100));
   CHECK(stream.counters().points == 400);
   CHECK(stream.counters().packet_time_jumps == 1);
+}
+
+TEST_CASE("a wild stamp that comes twice is a wild stamp, and a jump whose packets come twice a jump") {
+  const TimeNs step = kSecond / 10;
+  MeasurementStream stream;
+  stream.push(regular_packet(0, kEpoch, 1000, 100));
+  for (int copy = 0; copy < 2; ++copy) stream.push(regular_packet(1, kEpoch + 30 * kSecond, 1000, 100));
+  for (std::uint32_t k = 1; k < 6; ++k) stream.push(regular_packet(k, kEpoch + k * step, 1000, 100));
+  CHECK(stream.counters().points == 600);
+  CHECK(stream.counters().packet_time_jumps == 1);
+  const auto jumped = [&](std::uint32_t k) { return regular_packet(k, kEpoch - 20 * kSecond + k * step, 1000, 100); };
+  for (std::uint32_t k = 0; k < 4; ++k) stream.push(jumped(k / 2));
+  CHECK_THROWS_WITH(stream.push(jumped(2)), Catch::StartsWith("LiDAR clock jumped back by"));
+}
+
+TEST_CASE("the last packet after a pause is taken where IMU data reach there") {
+  for (const TimeNs imu_end : {5 * kSecond, 3 * kSecond}) {
+    MeasurementStream stream;
+    stream.push(regular_packet(0, kEpoch, 1000, 100));
+    for (TimeNs t = 0; t <= imu_end; t += kSecond / 2) stream.push(ImuSample{kEpoch + t, Vec3::Zero(), Vec3::Zero()});
+    stream.push(regular_packet(1, kEpoch + 5 * kSecond, 1000, 100));
+    stream.finish();
+    const bool reached = imu_end == 5 * kSecond;
+    CHECK(stream.counters().points == (reached ? 200 : 100));
+    CHECK(stream.counters().packet_time_jumps == (reached ? 0 : 1));
+  }
 }
 
 TEST_CASE("sweeps of points that were let go are let go, too") {

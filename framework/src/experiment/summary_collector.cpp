@@ -79,8 +79,8 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
     summary.path_length_m += (poses_[i].T.p - poses_[i - 1].T.p).norm();
   }
   if (!poses_.empty()) summary.end_to_end_m = (poses_.back().T.p - poses_.front().T.p).norm();
-  // By how much the IMU outlasts the points; of a run that stopped early it says nothing.
-  const bool told = !data_end && stream.first_point() && stream.first_imu();
+  // By how much the IMU outlasts the points; of a stream that was not read to its end it says nothing.
+  const bool told = stream.finished() && stream.first_point() && stream.first_imu();
   const TimeNs outlasted = told ? stream.last_imu() - stream.last_point() : 0;
   summary.longest_imu_gap_s = to_seconds(std::max(summary.counters.longest_imu_step, -outlasted));
   summary.longest_lidar_gap_s = to_seconds(std::max(summary.counters.longest_point_step, outlasted));

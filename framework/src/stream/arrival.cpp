@@ -49,6 +49,7 @@ JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last) {
     held_ = usual ? std::nullopt : std::optional(end);
     return usual ? Verdict::take : Verdict::hold;
   }
+  if (in_a_row_ > 0 && begin == rejected_) return Verdict::ignore;  // a copy says nothing new
   const bool continues = in_a_row_ > 0 && begin > rejected_ && begin - rejected_ <= kMaxStepBack;
   in_a_row_ = continues ? in_a_row_ + 1 : 1;
   rejected_ = begin;

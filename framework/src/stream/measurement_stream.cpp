@@ -29,11 +29,9 @@ void MeasurementStream::push(LidarPacket&& packet) {
     return;
   }
   const PacketKey key{packet.stamp, points.front().t, points.back().t, size};
-  if (held_packet_ && packet_guard_.confirms(key.first, key.last)) {
-    take(std::move(*held_packet_));
-    held_packet_.reset();
-  }
-  if (seen_before(key)) {
+  const bool copy_of_held = held_packet_ && key == held_packet_->key;  // which confirms nothing
+  if (held_packet_ && !copy_of_held && packet_guard_.confirms(key.first, key.last)) take_held_packet();
+  if (copy_of_held || seen_before(key)) {
     ++counters_.duplicate_packets;
     return;
   }
@@ -101,10 +99,11 @@ void MeasurementStream::push(const ImuSample& sample) {
     return;
   }
   if (first_imu_) {
-    if (held_imu_ && imu_guard_.confirms(sample.t, sample.t)) {
-      take(*held_imu_);
-      held_imu_.reset();
+    if (held_imu_ && sample.t == held_imu_->t) {  // a copy, which confirms nothing
+      ++counters_.imu_duplicate;
+      return;
     }
+    if (held_imu_ && imu_guard_.confirms(sample.t, sample.t)) take_held_imu();
     if (last_imu_ - sample.t > kMaxStepBack || sample.t - last_imu_ > kMaxStepAhead) ++counters_.imu_time_jumps;
     const JumpGuard::Verdict verdict = imu_guard_.judge(sample.t, sample.t, last_imu_);
     if (verdict == JumpGuard::Verdict::ignore) return;
@@ -142,8 +141,21 @@ void MeasurementStream::take(const ImuSample& sample) {
   last_imu_ = std::max(last_imu_, sample.t);
 }
 
+void MeasurementStream::take_held_packet() {
+  take(std::move(*held_packet_));
+  held_packet_.reset();
+}
+
+void MeasurementStream::take_held_imu() {
+  take(*held_imu_);
+  held_imu_.reset();
+}
+
 void MeasurementStream::finish() {
-  // A pause that nothing confirms is a wild stamp.
+  // What no other one of its sensor can confirm any more, the other sensor may. A pause that nothing confirms is a wild
+  // stamp.
+  if (held_packet_ && last_imu_ > held_packet_->key.first - kMaxStepBack) take_held_packet();
+  if (held_imu_ && last_point_ > held_imu_->t - kMaxStepBack) take_held_imu();
   counters_.packet_time_jumps += held_packet_.has_value();
   counters_.imu_time_jumps += held_imu_.has_value();
   held_packet_.reset();

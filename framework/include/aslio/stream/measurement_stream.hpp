@@ -45,7 +45,7 @@ class MeasurementStream final : public StreamView {
 
   /// Points in any order. The push()es throw DataError when three measurements in a row agree that the clock jumped
   /// (> 1 s back or > 60 s ahead); fewer are ignored and counted. One of more than 1 s ahead is held until the next one
-  /// tells whether it was a pause.
+  /// of its sensor tells whether it was a pause, or at the end of the data the other sensor. A copy tells nothing.
   void push(LidarPacket&& packet);
   void push(const ImuSample& sample);
   /// No more data: *_until() become kTimeMax.
@@ -114,6 +114,8 @@ class MeasurementStream final : public StreamView {
   bool seen_before(const PacketKey& key);
   void take(ArrivedPacket&& arrived);
   void take(const ImuSample& sample);
+  void take_held_packet();
+  void take_held_imu();
   void note_sweeps(std::span<const TimedPoint> points);
   void forget_sweeps(TimeNs t);
   /// Between readings, of a time span and what lies around it [ns]; from or to its end where there are none.
