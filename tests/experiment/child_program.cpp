@@ -41,7 +41,7 @@ int simulate(const fs::path& output) {
     std::fputs("error: there is no way through\n", stderr);
     return 3;
   }
-  for (const char* file : {"data.bag", "truth.tum", "overlap.csv", "scene.yaml", "preview.svg"}) {
+  for (const char* file : {"data.bag", "sensor.yaml", "truth.tum", "overlap.csv", "scene.yaml", "preview.svg"}) {
     if (!put(output / file, std::string(3000, 's'))) return 3;
   }
   return put(output / "dataset.yaml", "schema: aslio/dataset/1\n") ? 0 : 3;
@@ -91,7 +91,9 @@ int run(const std::vector<std::string>& words) {
   const fs::path output = option(words, "--output"), data = option(words, "--dataset");
   const std::string name = output.filename();
   const std::string method = name.substr(1, name.find(".partial-") - 1);
-  if (!fs::exists(data / "dataset.yaml") || !fs::exists(data / "data.bag")) return 3;
+  for (const char* file : {"dataset.yaml", "data.bag", "sensor.yaml", "truth.tum"}) {
+    if (!fs::exists(data / file)) return 3;
+  }
   pause_ms(method == "patient" ? 1000 : 15);
   if (!schedule_is_there(words)) {
     std::fputs("error: window: cannot open the schedule\n", stderr);

@@ -212,7 +212,9 @@ TEST_CASE("data are gone before the last run that needed them is told as finishe
 TEST_CASE("data that a kill left half removed go with the next call") {
   const StudyFiles files;
   const Study study = files.load(two_methods());
-  write_text(files.folder / "out/simulated/.partial-scene_a_1-0123abcd-4194999/truth.tum", "1");
+  const fs::path left = files.folder / "out/simulated/.partial-scene_a_1-0123abcd-4194999";
+  fs::create_directories(left);
+  write_text(left / "truth.tum", "1");
   REQUIRE(run_apart(study, options(files.folder / "out")) == 0);
   CHECK_FALSE(fs::exists(files.folder / "out/simulated"));
 }
@@ -285,6 +287,42 @@ TEST_CASE("a finished run whose file another run reads is made again when the fi
   CHECK_THAT(monitor.lines,
              Contains("[1/2] scene_a_1/first: ok") && Contains("[2/2] scene_a_1/shifted: ok") && !Contains("alone"));
   CHECK(tables(output) == before);
+  // Neither can be read.
+  for (const bool folder : {true, false}) {
+    INFO((folder ? "a folder" : "an empty file"));
+    fs::remove(runs / "first/updates.csv");
+    if (folder) {
+      fs::create_directory(runs / "first/updates.csv");
+    } else {
+      write_text(runs / "first/updates.csv", "");
+    }
+    monitor.lines.clear();
+    CHECK(run_study(study, options(output), monitor).failures() == 0);
+    CHECK_THAT(monitor.lines, Contains("scene_a_1/first: ok"));
+    CHECK(tables(output) == before);
+  }
+}
+
+TEST_CASE("a finished run that is not selected keeps its row when the file that another run reads is gone") {
+  const StudyFiles files;
+  const std::string replay = "set: {window: {type: replay, file: '{run:first}/updates.csv'}}";
+  const Study study =
+      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio") +
+                 method("shifted", "as_lio", replay) + method("alone", "fixed_window") + "metrics: [ate_m]\n");
+  StudyOptions how = options(files.folder / "out");
+  Quiet monitor;
+  REQUIRE(run_study(study, how, monitor).failures() == 0);
+  const auto before = tables(how.output);
+  fs::remove(how.output / "runs/scene_a_1/first/updates.csv");
+  monitor.lines.clear();
+  how.only = "alone";
+  CHECK(run_study(study, how, monitor).failures() == 0);
+  CHECK(monitor.lines.empty());
+  CHECK(tables(how.output) == before);
+  how.only = "shifted";  // needs it
+  CHECK(run_study(study, how, monitor).failures() == 0);
+  CHECK_THAT(monitor.lines, Contains("scene_a_1/first: ok"));
+  CHECK(tables(how.output) == before);
 }
 
 TEST_CASE("a run that failed without the file that another reads is not made again for it") {

@@ -66,8 +66,8 @@ class Schedule {
         used_(study) {
     store_.remove_leftovers(options.recording);
     result_.runs = plan_runs(study, options.program, runs_folder_);
-    result_.rows = rows_so_far(study, result_.runs, options.output, options.recording);
     const std::vector<bool> selected = select_runs(study, result_.runs, options.only);
+    result_.rows = used_.rows(study, result_.runs, options.output, options.recording, selected);
     data_.resize(study.data.size());
     states_.resize(result_.runs.size(), RunState::skipped);
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
@@ -258,7 +258,7 @@ class Schedule {
     const StudyData& data = study_.data[ended.data];
     const bool whole = end.cause == ChildEnd::Cause::exit && end.code == 0;
     if (whole) {
-      data_[ended.data].dataset = store_.commit(data);
+      data_[ended.data].dataset = store_.commit(data, [this](const std::string& line) { monitor_.on_line(line); });
       data_[ended.data].state = DataState::ready;
       monitor_.on_line(fmt::format("{}: simulated in {:.1f} s", data.name, end.wall_s));
       return;
@@ -444,14 +444,7 @@ bool stands(const StudyOutcome& outcome, const Study& study, const StudyOptions&
 
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
                                                  const fs::path& output, const std::string& recording) {
-  std::vector<std::optional<StudyRow>> rows(runs.size());
-  const UsedFiles used(study);
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (!recording.empty() && study.data[runs[i].data].name != recording) continue;
-    const fs::path folder = output / "runs" / study.data[runs[i].data].name / runs[i].folder;
-    if (const auto outcome = used.outcome(runs[i], folder)) rows[i] = read_row(folder, *outcome);
-  }
-  return rows;
+  return UsedFiles(study).rows(study, runs, output, recording, std::vector<bool>(runs.size(), true));
 }
 
 StudyResult run_study(const Study& study, const StudyOptions& options, StudyMonitor& monitor) {

@@ -63,8 +63,8 @@ class Cluster {
         used_(study) {
     const fs::path runs_folder = fs::absolute(options.output) / "runs";
     result_.runs = plan_runs(study, options.program, runs_folder);
-    result_.rows = rows_so_far(study, result_.runs, options.output);
     selected_ = select_runs(study, result_.runs, options.only);
+    result_.rows = used_.rows(study, result_.runs, options.output, {}, selected_);
     write_plan(study, result_.runs, slurm.throttle * options.jobs, options.output);
     attempts_.assign(study.data.size(), 0);
     open_.resize(study.data.size());

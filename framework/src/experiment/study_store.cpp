@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <utility>
 
@@ -21,6 +23,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kIdentityFile = "identity.txt";
 constexpr const char* kPartial = ".partial-";
+/// Those that stay in the output when the data go.
+constexpr std::array kSmallFiles = {"truth.tum", "overlap.csv", "scene.yaml", "preview.svg"};
+/// What else `aslio simulate` writes beside its bag.
+constexpr std::array kOtherFiles = {"dataset.yaml", "sensor.yaml", "truth.csv", "log.txt", kWorldFile};
 
 std::string identity_of(const fs::path& folder) {
   std::ifstream stream(folder / kIdentityFile);
@@ -50,21 +56,47 @@ std::string identity_text(const StudyData& data, const fs::path& folder) {
   return text;
 }
 
-/// As large as when it was made. An identity.txt of earlier versions has no size: the bag must be there.
-bool has_bag(const fs::path& folder) {
+struct NamedBag {
+  std::string bytes, name;
+};
+
+std::vector<NamedBag> bags_named_in(const fs::path& folder) {
   std::ifstream stream(folder / kIdentityFile);
   std::string line;
   std::getline(stream, line);
-  bool any = false;
+  std::vector<NamedBag> bags;
   while (std::getline(stream, line)) {
     const std::size_t space = line.find(' ');
-    if (space == std::string::npos) continue;
-    std::error_code error;
-    const auto bytes = fs::file_size(folder / line.substr(space + 1), error);
-    if (error || fmt::to_string(bytes) != line.substr(0, space)) return false;
-    any = true;
+    if (space != std::string::npos) bags.push_back({line.substr(0, space), line.substr(space + 1)});
   }
-  return any || !bags_in(folder).empty();
+  return bags;
+}
+
+/// As large as when it was made. An identity.txt of earlier versions has no size: the bag must be there.
+bool has_bag(const fs::path& folder) {
+  const std::vector<NamedBag> named = bags_named_in(folder);
+  if (named.empty()) return !bags_in(folder).empty();
+  return std::all_of(named.begin(), named.end(), [&](const NamedBag& bag) {
+    std::error_code error;
+    const auto bytes = fs::file_size(folder / bag.name, error);
+    return !error && fmt::to_string(bytes) == bag.bytes;
+  });
+}
+
+/// All that a study or one of its runs reads, but the world.
+bool is_whole(const fs::path& folder) {
+  const auto there = [&](const char* file) { return has_content(folder / file); };
+  return there("dataset.yaml") && there("sensor.yaml") && has_bag(folder) &&
+         std::all_of(kSmallFiles.begin(), kSmallFiles.end(), there);
+}
+
+/// Is a file of this name one that was written with the data?
+bool is_of_data(const std::string& name, const StudyData& data, const std::vector<NamedBag>& bags) {
+  const auto same = [&](const char* file) { return name == file; };
+  return name == kIdentityFile || name == data.scene.stem().string() + ".bag" ||
+         std::any_of(kSmallFiles.begin(), kSmallFiles.end(), same) ||
+         std::any_of(kOtherFiles.begin(), kOtherFiles.end(), same) ||
+         std::any_of(bags.begin(), bags.end(), [&](const NamedBag& bag) { return name == bag.name; });
 }
 
 /// By name alone, and, for other data of the same name (another scale or another version of the scene), with identity.
@@ -97,6 +129,11 @@ bool is_leftover(std::string_view name, std::string_view begin) {
   return name.starts_with(begin) && digits_only(name.substr(begin.size()), "0123456789");
 }
 
+bool has_content(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error) && fs::file_size(file, error) > 0 && !error;
+}
+
 FolderLock::~FolderLock() {
   if (file_ >= 0) ::close(file_);
 }
@@ -109,10 +146,22 @@ FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
 }
 
 std::optional<FolderLock> FolderLock::take(const fs::path& folder, bool exclusive) {
-  FolderLock lock;
-  lock.file_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock.file_ < 0 || !lock.change(exclusive)) return std::nullopt;
-  return lock;
+  constexpr int kTries = 10;
+  for (int i = 0; i < kTries; ++i) {
+    FolderLock lock;
+    lock.file_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock.file_ < 0 || !lock.change(exclusive)) return std::nullopt;
+    // Who held the lock may have put another folder in its place since it was opened.
+    if (lock.is_of(folder)) return lock;
+  }
+  return std::nullopt;
+}
+
+bool FolderLock::is_of(const fs::path& folder) const {
+  struct stat locked {
+  }, named{};
+  return ::fstat(file_, &locked) == 0 && ::stat(folder.c_str(), &named) == 0 && locked.st_dev == named.st_dev &&
+         locked.st_ino == named.st_ino;
 }
 
 FolderLock FolderLock::of_output(const fs::path& folder, const fs::path& output) {
@@ -142,9 +191,7 @@ StudyStore::~StudyStore() {
 
 /// Whole data of this identity: `aslio simulate` writes dataset.yaml last, and the identity is written after it.
 bool StudyStore::holds(const fs::path& folder, const std::string& identity) const {
-  std::error_code ignored;
-  return identity_of(folder) == identity && fs::exists(folder / "dataset.yaml", ignored) && has_bag(folder) &&
-         (!world_ || fs::exists(folder / kWorldFile, ignored));
+  return identity_of(folder) == identity && is_whole(folder) && (!world_ || has_content(folder / kWorldFile));
 }
 
 std::optional<fs::path> StudyStore::find(const StudyData& data) {
@@ -176,33 +223,57 @@ fs::path StudyStore::begin(const StudyData& data) {
   return folder;
 }
 
-fs::path StudyStore::commit(const StudyData& data) {
+fs::path StudyStore::commit(const StudyData& data, const std::function<void(const std::string&)>& warn) {
   Entry& entry = entries_.at(data.name);
   io::AtomicFile identity(entry.folder / kIdentityFile);
   identity.write(identity_text(data, entry.folder));
   identity.close();
   entry.lock.change(false);
   std::error_code error;
+  std::optional<fs::path> foreign;
   for (const fs::path& folder : places(root_, data)) {
-    remove_broken(data, folder);
+    const auto found = remove_broken(data, folder);
+    if (!foreign) foreign = found;
     fs::rename(entry.folder, folder, error);  // refuses where a folder with content stands
     if (error) continue;
     entry.folder = folder;
+    if (foreign) {
+      warn(fmt::format(
+          "warning: {}: files of these data are gone or cut off, and {} is not of `aslio simulate`: left as "
+          "it is, the data are in {}; move what is yours elsewhere and remove the folder",
+          foreign->parent_path().string(), foreign->filename().string(), folder.filename().string()));
+    }
     keep_small_files(data, folder);
     return folder;
   }
   // Another study has been faster.
   abandon(data);
   if (const auto folder = find(data)) return *folder;
-  throw DataError(fmt::format("{}: simulated data cannot be put there: {}", root_.string(), error.message()));
+  const std::vector<fs::path> tried = places(root_, data);
+  throw DataError(
+      fmt::format("{}: simulated data cannot be put there as {} or {}: {}; move what is yours in these "
+                  "folders elsewhere and remove them, or name another place",
+                  root_.string(), tried[0].filename().string(), tried[1].filename().string(), error.message()));
 }
 
-void StudyStore::remove_broken(const StudyData& data, const fs::path& folder) const {
-  std::error_code ignored;
-  const bool whole = fs::exists(folder / "dataset.yaml", ignored) && has_bag(folder);  // maybe without the world
-  if (whole || identity_of(folder) != data.identity) return;
+std::optional<fs::path> StudyStore::remove_broken(const StudyData& data, const fs::path& folder) const {
+  const auto broken = [&] { return identity_of(folder) == data.identity && !is_whole(folder); };
+  if (!broken()) return std::nullopt;
   const auto lock = FolderLock::take(folder, true);
-  if (lock) fs::remove_all(folder, ignored);
+  if (!lock || !broken()) return std::nullopt;  // another study reads them, or has just put whole ones there
+  const std::vector<NamedBag> bags = bags_named_in(folder);
+  std::error_code error, ignored;
+  std::vector<fs::path> files;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    const bool regular = fs::is_regular_file(at->symlink_status(ignored));
+    if (!regular || !is_of_data(at->path().filename().string(), data, bags)) return at->path();
+    if (at->path().filename() != kIdentityFile) files.push_back(at->path());
+  }
+  if (error) return std::nullopt;
+  for (const fs::path& file : files) fs::remove(file, ignored);
+  fs::remove(folder / kIdentityFile, ignored);  // last: what a kill leaves is still known for what it is
+  fs::remove(folder, ignored);                  // only when it is empty
+  return std::nullopt;
 }
 
 void StudyStore::abandon(const StudyData& data) {
@@ -235,7 +306,7 @@ std::size_t StudyStore::made() const {
 void StudyStore::keep_small_files(const StudyData& data, const fs::path& folder) const {
   const fs::path target = output_ / "data" / data.name;
   create(target);
-  std::vector<const char*> files = {"truth.tum", "overlap.csv", "scene.yaml", "preview.svg"};
+  std::vector<const char*> files(kSmallFiles.begin(), kSmallFiles.end());
   if (world_) files.push_back(kWorldFile);
   for (const char* file : files) {
     std::error_code error;

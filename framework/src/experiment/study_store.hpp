@@ -2,6 +2,7 @@
 /// Simulated data on disk: made under another name, shared with other studies, removed when they have served.
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,7 +22,8 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// Nothing when another process holds a lock that excludes this one, or the folder is not there.
+  /// Of the folder that has this name when the lock is held. Nothing when another process holds a lock that excludes
+  /// this one, or the folder is not there.
   static std::optional<FolderLock> take(const std::filesystem::path& folder, bool exclusive);
   /// The exclusive lock of an output folder. A study that was killed may leave a child behind that holds its lock for
   /// as long as it takes to notice: tried for 3 s. Throws ConfigError when another study is at work there.
@@ -30,8 +32,13 @@ class FolderLock {
   bool change(bool exclusive) const;
 
  private:
+  bool is_of(const std::filesystem::path& folder) const;
+
   int file_ = -1;
 };
+
+/// A file that can be read from, and not an empty one, as a disk without room leaves it.
+bool has_content(const std::filesystem::path& file);
 
 /// Is `name` this beginning and the id of a process, and nothing else? Names of methods and data may hold anything.
 bool is_leftover(std::string_view name, std::string_view begin);
@@ -55,8 +62,9 @@ class StudyStore {
   std::optional<std::filesystem::path> find(const StudyData& data);
   /// An empty folder to simulate into.
   std::filesystem::path begin(const StudyData& data);
-  /// The folder of begin() holds all: it gets its name.
-  std::filesystem::path commit(const StudyData& data);
+  /// The folder of begin() holds all: it gets its name. `warn` is told of broken data that were left for the sake of
+  /// what lies beside them.
+  std::filesystem::path commit(const StudyData& data, const std::function<void(const std::string&)>& warn);
   /// The folder of begin() is given up.
   void abandon(const StudyData& data);
   /// No run needs these data any more.
@@ -72,8 +80,9 @@ class StudyStore {
   };
   std::filesystem::path partial(const StudyData& data) const;
   bool holds(const std::filesystem::path& folder, const std::string& identity) const;
-  /// What is left of these data where a file of them is gone or cut off: the new ones take its place.
-  void remove_broken(const StudyData& data, const std::filesystem::path& folder) const;
+  /// What is left of these data where a file of them is gone or cut off: the new ones take its place. The folder stays
+  /// as it is where anything else lies in it, which is somebody's: returns its path.
+  std::optional<std::filesystem::path> remove_broken(const StudyData& data, const std::filesystem::path& folder) const;
   /// Truth and overlap are small, and what figures need: they stay.
   void keep_small_files(const StudyData& data, const std::filesystem::path& folder) const;
 

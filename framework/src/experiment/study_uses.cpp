@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "study_store.hpp"
+
 namespace aslio::experiment {
 
 namespace {
@@ -39,10 +41,23 @@ std::optional<StudyOutcome> UsedFiles::outcome(const StudyRun& run, const std::f
   auto outcome = read_outcome(folder, run.key);
   if (!outcome || !has_left_files(outcome->status)) return outcome;
   for (const std::string_view file : files_[run.method]) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(folder / file, ignored)) return std::nullopt;
+    if (!has_content(folder / file)) return std::nullopt;
   }
   return outcome;
+}
+
+std::vector<std::optional<StudyRow>> UsedFiles::rows(const Study& study, const std::vector<StudyRun>& runs,
+                                                     const std::filesystem::path& output, const std::string& recording,
+                                                     const std::vector<bool>& selected) const {
+  std::vector<std::optional<StudyRow>> rows(runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::string& data = study.data[runs[i].data].name;
+    if (!recording.empty() && data != recording) continue;
+    const std::filesystem::path folder = output / "runs" / data / runs[i].folder;
+    const auto found = selected[i] ? outcome(runs[i], folder) : read_outcome(folder, runs[i].key);
+    if (found) rows[i] = read_row(folder, *found);
+  }
+  return rows;
 }
 
 }  // namespace aslio::experiment
