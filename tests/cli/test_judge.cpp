@@ -89,6 +89,25 @@ TEST_CASE("refused updates are told with their number and status") {
   CHECK_THAT(to_json(s), Contains("\"updates_refused\": 7"));
 }
 
+TEST_CASE("malformed messages degrade a run when they are more than one in a thousand of their sensor") {
+  Summary s = good_run();
+  s.counters.packets = 175;
+  s.counters.imu = 3500;
+  s.malformed_imu = 3;
+  judge_ended(s);
+  CHECK(s.status == RunStatus::ok);
+  s.malformed_imu = 4;
+  judge_ended(s);
+  CHECK(s.status == RunStatus::degraded);
+  CHECK(s.reason == "4 malformed IMU messages dropped");
+  CHECK_THAT(to_json(s), Contains("\"malformed_messages\": 4"));
+  s.malformed_imu = 0;
+  s.malformed_lidar = 1;
+  judge_ended(s);
+  CHECK(s.status == RunStatus::degraded);
+  CHECK(s.reason == "1 malformed LiDAR messages dropped");
+}
+
 TEST_CASE("a run without an accepted update has failed, and says why") {
   Summary none = with(good_run(), kInitialising, 200);
   none.accepted = 0;

@@ -175,6 +175,17 @@ TEST_CASE("a run that is lost for good ends there on demand, and is judged as if
   CHECK(bench.run("none", {"--stop-when-diverged"}).code == 0);  // without a reference
 }
 
+TEST_CASE("a run that ends early tells what speaks against its gyro_unit") {
+  const Bench bench({.duration = 8.0, .blind_from = 6.0, .blind_until = 7.5});  // the first turn is at 5 s
+  write_text(bench / "sensor.yaml", sensor_text("gyro_unit: deg_s\n"));
+  const Ended ended = bench.run("out", {"--set", "max_gap=1", "--stop-when-diverged"});
+  CHECK(ended.code == 1);
+  CHECK_THAT(ended.err, Contains("warning: ") && Contains("gyro_unit is deg_s, but nothing in all that was read"));
+  const Json summary = json(bench / "out/summary.json");
+  CHECK(summary.at("coverage").get<double>() < 0.95);
+  CHECK_THAT(summary.at("notes").dump(), Contains("gyro_unit is deg_s, but"));
+}
+
 TEST_CASE("a run that is lost says so, begins anew, and keeps the maps apart") {
   const Bench bench({.duration = 5.0, .blind_from = 2.0, .blind_until = 3.5});
   const Ended ended = bench.run("out", {"--set", "max_gap=1", "--save-map", bench / "map.ply"});

@@ -159,18 +159,22 @@ TEST_CASE("a folder in the place of a scan is an error that names it") {
 TEST_CASE("the angular rates of a whole drive are judged") {
   TemporaryFolder folder;
   const fs::path drive = write_drive(folder.path());
-  const auto turn = [&](double rate) {
-    std::ofstream packet(drive / "oxts" / "data" / "0000000004.txt");
-    for (int column = 0; column < 30; ++column) packet << (column == 13 ? 9.8 : column == 17 ? rate : 0.0) << ' ';
+  const auto turn = [&](int from, double rate) {
+    for (int k = 0; k < 5; ++k) {
+      std::ofstream packet(drive / "oxts" / "data" / ("000000000" + std::to_string(k) + ".txt"));
+      const double turning = k < from ? 0 : rate;
+      for (int column = 0; column < 30; ++column) packet << (column == 13 ? 9.8 : column == 17 ? turning : 0.0) << ' ';
+    }
   };
   SensorConfig sensor = calibrated();
   sensor.gyro_unit = GyroUnit::deg_s;
   CHECK_FALSE(contains(open_source(drive, sensor)->notes().warnings, "gyro_unit"));
-  turn(1.2);
+  turn(1, 1.2);
   CHECK(contains(open_source(drive, sensor)->notes().warnings, "gyro_unit is deg_s, but nothing"));
   CHECK(contains(inspect(drive, sensor).warnings, "gyro_unit is deg_s, but nothing"));
-  turn(90);
+  turn(1, 90);
   CHECK_FALSE(contains(open_source(drive, sensor)->notes().warnings, "gyro_unit"));
+  turn(4, 90);
   CHECK(contains(open_source(drive, calibrated())->notes().warnings, "1 sample(s) turn faster than"));
 }
 

@@ -108,7 +108,8 @@ TEST_CASE("an angular rate too fast for any gyroscope is in degrees") {
 }
 
 TEST_CASE("degrees per second that the whole recording speaks against are doubted at its end") {
-  const std::string doubt = "gyro_unit is deg_s, but nothing in all that was read turns faster than 1.200 deg/s";
+  const std::string doubt =
+      "gyro_unit is deg_s, but nothing in all that was read, spikes aside, turns faster than 1.200 deg/s";
   const Whole wrong = read_whole(GyroUnit::deg_s, 1.2);
   CHECK(wrong.first.warnings.empty());
   REQUIRE(wrong.last.warnings.size() == 1);
@@ -125,6 +126,45 @@ TEST_CASE("degrees per second that the whole recording speaks against are doubte
   for (const GyroUnit unit : {GyroUnit::rad_s, GyroUnit::automatic}) {
     CHECK(read_whole(unit, 1.2).last.warnings.empty());
   }
+}
+
+TEST_CASE("spikes do not hide degrees per second that the recording speaks against") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.seconds = 8;
+  recording.turn = [](int i) {
+    if (i % 100 == 50 || i % 100 == 52) return Vec3(50, 0, 0);
+    return Vec3(i >= 600 && i < 700 ? 1.2 : 0.01, 0, 0);
+  };
+  recording.write(folder / "a.bag");
+  SensorConfig sensor;
+  sensor.gyro_unit = GyroUnit::deg_s;
+  const auto source = open_source(folder / "a.bag", sensor);
+  drain(*source);
+  CHECK(contains(source->notes().warnings, "spikes aside, turns faster than 1.200 deg/s"));
+  // What turns for a twentieth of a second once in an hour is a turn.
+  recording.turn = [](int i) { return Vec3(i >= 600 && i < 605 ? 45 : 1.2, 0, 0); };
+  recording.write(folder / "b.bag");
+  const auto turning = open_source(folder / "b.bag", sensor);
+  drain(*turning);
+  CHECK(turning->notes().warnings.empty());
+}
+
+TEST_CASE("degrees per second are doubted by what was read when the reading is ended early") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.seconds = 8;
+  recording.turn = [](int i) { return Vec3(i >= 100 && i < 200 ? 1.2 : i >= 700 ? 45 : 0.01, 0, 0); };
+  recording.write(folder / "a.bag");
+  SensorConfig sensor;
+  sensor.gyro_unit = GyroUnit::deg_s;
+  const auto source = open_source(folder / "a.bag", sensor);
+  for (int i = 0; i < 300; ++i) REQUIRE(source->next());
+  CHECK(source->notes().warnings.empty());
+  source->conclude();
+  source->conclude();
+  REQUIRE(source->notes().warnings.size() == 1);
+  CHECK(contains(source->notes().warnings, "turns faster than 1.200 deg/s"));
 }
 
 TEST_CASE("rates beyond any gyroscope are counted over the whole recording") {

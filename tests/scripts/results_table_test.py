@@ -186,6 +186,19 @@ class ResultsTable(StudyCase):
         self.assertEqual(printed(results_table.main, self.one(), "--into", document)[0], 2)
         self.assertEqual(document.read_text(), "By hand.\n")
 
+    def test_what_others_wrote_is_not_written_over_nor_listed(self):
+        pages = self.root / "pages"
+        pages.mkdir()
+        (pages / "notes.md").write_text("# Notes\n\nBy hand.\n")
+        for name in ("README.md", "echo.md"):
+            (pages / name).write_text("# By hand\n")
+            code, out = printed(results_table.main, self.one(), "--into", pages)
+            self.assertEqual(code, 2)
+            self.assertEqual((pages / name).read_text(), "# By hand\n")
+            (pages / name).unlink()
+        self.assertEqual(printed(results_table.main, self.one(), "--into", pages)[0], 0)
+        self.assertNotIn("notes", (pages / "README.md").read_text())
+
     def test_metrics_that_are_none(self):
         with self.assertRaises(SystemExit) as end:
             printed(results_table.main, self.one(), "--metrics", "ate")

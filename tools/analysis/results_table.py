@@ -192,7 +192,7 @@ def section(study, metrics, options):
     extent += f" Revision {', '.join(made)}." if made else ""
     missing = left_out(study)
     extent += f" Of the file, which the command runs whole, without {', '.join(missing)}." if missing else ""
-    parts = [f"# Study `{study.name}`", study.question, command(study, options), extent, verdict(study, options),
+    parts = [f"{PAGE_BEGIN}{study.name}`", study.question, command(study, options), extent, verdict(study, options),
              f"{caption(study)}:", summary(study, metrics), FOOTNOTE if told_marks else "",
              COSTS_FOOTNOTE if failures and set(COSTS) & set(metrics) else "",
              all_values(study, [metric for metric in metrics if options.values is None or metric in options.values])]
@@ -200,21 +200,31 @@ def section(study, metrics, options):
 
 
 INDEX = "README.md"
+INDEX_BEGIN = "# Studies\n"
+PAGE_BEGIN = "# Study `"
+
+
+def foreign(folder, names):
+    """Files that would be written over and are no pages or index of this program, sorted."""
+    begins = {f"{name}.md": PAGE_BEGIN for name in names} | {INDEX: INDEX_BEGIN}
+    return [name for name, begin in sorted(begins.items())
+            if (folder / name).exists() and not (folder / name).read_text(encoding="utf-8", errors="replace").startswith(begin)]
 
 
 def listed(folder):
     """The index of a folder of pages: of every page its question, and of how many runs and which program it is."""
     lines = []
     for page in sorted(folder.glob("*.md")):
-        if page.name == INDEX:
+        text = page.read_text(encoding="utf-8", errors="replace")
+        if not text.startswith(PAGE_BEGIN):
             continue
-        parts = [part.strip() for part in page.read_text(encoding="utf-8").split("\n\n")]
+        parts = [part.strip() for part in text.split("\n\n")]
         extent = next((part for part in parts if re.match(r"\d+ runs", part)), "")
         runs = extent.partition(",")[0].replace(" runs", "")
         revision = re.search(r"Revision ([^.]*)\.", extent)
         question = parts[1].replace("\n", " ") if len(parts) > 1 else ""
         lines.append([f"[{page.stem}]({page.name})", question, runs, revision.group(1) if revision else ""])
-    return ("# Studies\n\nA page per study, made by `tools/analysis/results_table.py`: question, command, verdict, tables. What they say is "
+    return (INDEX_BEGIN + "\nA page per study, made by `tools/analysis/results_table.py`: question, command, verdict, tables. What they say is "
             "read in [results.md](../results.md) and [ablations.md](../ablations.md).\n\n"
             + markdown_table(["study", "question", "runs", "revision"], lines) + "\n")
 
@@ -255,6 +265,11 @@ def main(words):
     folder = pathlib.Path(options.into)
     if folder.is_file():
         print(f"error: --into {folder}: is a file; name a folder, which gets a page per study", file=sys.stderr)
+        return 2
+    others = foreign(folder, [name for name, _ in sections])
+    if others:
+        print(f"error: --into {folder}: {', '.join(others)} would be written over, and was not made by this program; "
+              "name another folder", file=sys.stderr)
         return 2
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in sections:

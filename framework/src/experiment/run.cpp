@@ -165,6 +165,7 @@ class Loop {
   RunOutcome run() {
     RunOutcome outcome;
     contain(outcome, [&] { pump(outcome); });
+    source_.conclude();
     if (const auto* first = odometry_.divergence()) {
       outcome.divergence = {first->t, first->reason + what_followed(odometry_.losses())};
     }
@@ -249,7 +250,8 @@ void gather(Summary& summary, const pipeline::Odometry& odometry, const io::Meas
   if (odometry.initialisation()) summary.initialisation = odometry.initialisation()->verdict;
   summary.notes = source.notes().verdicts;
   for (const std::string& warning : source.notes().warnings) summary.notes.push_back("warning: " + warning);
-  summary.malformed_messages = source.notes().malformed;
+  summary.malformed_lidar = source.notes().malformed_lidar;
+  summary.malformed_imu = source.notes().malformed_imu;
   summary.losses = odometry.losses();
 }
 

@@ -94,7 +94,7 @@ Json counts(const Summary& s) {
               {"imu_reordered", c.imu_reordered},
               {"imu_time_jumps", c.imu_time_jumps},
               {"imu_gaps", c.imu_gaps},
-              {"malformed_messages", s.malformed_messages}};
+              {"malformed_messages", s.malformed_lidar + s.malformed_imu}};
   for (std::size_t i = 0; i < s.updates_by_status.size(); ++i) {
     const auto name = pipeline::name(static_cast<UpdateStatus>(i));
     out[fmt::format("updates_{}", name)] = s.updates_by_status[i];
@@ -129,7 +129,8 @@ std::string anomalies(const Summary& s) {
     if (count * 1000 > accepted) add(fmt::format("{} {} dropped", count, what));
   };
   const stream::StreamCounters& c = s.counters;
-  dropped(s.malformed_messages, c.packets, "malformed messages");
+  dropped(s.malformed_lidar, c.packets, "malformed LiDAR messages");
+  dropped(s.malformed_imu, c.imu, "malformed IMU messages");
   dropped(c.packet_time_jumps, c.packets, "LiDAR messages with an implausible stamp");
   dropped(c.points_stray, c.points, "points with a stray time");
   dropped(c.points_late, c.points, "points that came too late");

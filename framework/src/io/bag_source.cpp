@@ -137,9 +137,13 @@ class BagSource final : public MeasurementSource {
         return Measurement(std::move(*packet));
       }
     }
+    conclude();
+    return std::nullopt;
+  }
+
+  void conclude() override {
     add_reader_warnings();
     judge_all_imu();
-    return std::nullopt;
   }
 
   InputStatus status() const override { return reader_.status(); }
@@ -216,7 +220,7 @@ class BagSource final : public MeasurementSource {
   std::optional<ImuSample> imu(const BagMessage& message) {
     ImuSample sample;
     if (const std::string why = decode::decode_imu(message.bytes, sample); !why.empty()) {
-      skip("IMU", why);
+      skip("IMU", notes_.malformed_imu, why);
       return std::nullopt;
     }
     const std::uint64_t too_fast = gyro_range_.too_fast(units_);
@@ -227,7 +231,7 @@ class BagSource final : public MeasurementSource {
     return sample;
   }
 
-  /// At the end, since a standstill at the beginning fits any unit.
+  /// Last, since a standstill at the beginning fits any unit.
   void judge_all_imu() {
     if (const std::string why = gyro_range_.doubt(gyro_unit_); !why.empty()) warn(doubt_warning_, why);
   }
@@ -236,16 +240,18 @@ class BagSource final : public MeasurementSource {
     LidarPacket packet;
     packet.sweep_id = sweeps_++;
     if (const std::string why = decoder_->decode(message.bytes, packet); !why.empty()) {
-      skip("LiDAR", why);
+      skip("LiDAR", notes_.malformed_lidar, why);
       return std::nullopt;
     }
     return packet;
   }
 
-  void skip(const char* role, const std::string& why) {
-    if (notes_.malformed++ == 0) first_skipped_ = fmt::format("of the {}: {}", role, why);
-    warn(skip_warning_,
-         fmt::format("{} malformed message(s) skipped; the first, {}", notes_.malformed, first_skipped_));
+  /// `count`: of the malformed messages of that role.
+  void skip(const char* role, std::uint64_t& count, const std::string& why) {
+    if (first_skipped_.empty()) first_skipped_ = fmt::format("of the {}: {}", role, why);
+    ++count;
+    warn(skip_warning_, fmt::format("{} malformed message(s) skipped; the first, {}",
+                                    notes_.malformed_lidar + notes_.malformed_imu, first_skipped_));
   }
 
   /// A warning that is brought up to date, in its place, as more of its kind is found.

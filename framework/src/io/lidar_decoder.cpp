@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
 #include "aslio/core/errors.hpp"
 #include "aslio/io/rosbag/messages.hpp"
 #include "decode/cloud.hpp"
@@ -12,15 +17,55 @@ namespace {
 /// Offsets beyond several sweeps are bit errors or wrapped counters.
 TimeNs longest_offset(const SensorConfig& sensor) { return std::max(kSecond, to_ns(5.0 * sensor.model.sweep_period)); }
 
-/// Judges the offsets of a Livox topic by the longest span among its first messages. A driver may send 10 ms at a time,
-/// or a first message cut off by its start; only a span that is off by hundreds is of another unit.
+/// What the offsets of one message tell. The span is that of the middle nine tenths, stretched to all of them: a
+/// damaged offset among thousands says nothing of the unit.
+struct Offsets {
+  std::size_t points = 0;
+  TimeNs first = 0, last = 0;  ///< least and largest; but for those beyond the longest offset, unless most are
+  bool beyond = false;         ///< most are
+  double span = 0;             ///< [s]
+  TimeNs least_middle = 0, largest_middle = 0;
+  std::size_t alike = 0;  ///< that equal `least_middle`
+};
+
+/// Pre: at least two points, whose times count from the stamp.
+Offsets look_at_offsets(const LidarPacket& packet, TimeNs longest) {
+  std::vector<TimeNs> all, kept;
+  for (const TimedPoint& p : packet.points) all.push_back(p.t - packet.stamp);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(kept), [longest](TimeNs t) { return t <= longest; });
+  Offsets offsets;
+  offsets.points = all.size();
+  offsets.beyond = 2 * kept.size() < all.size();
+  if (offsets.beyond) kept = all;
+  const std::size_t n = kept.size(), cut = n < 4 ? 0 : std::max<std::size_t>(1, n / 20);
+  const auto ranked = [&kept](std::size_t rank) {
+    const auto at = kept.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(kept.begin(), at, kept.end());
+    return *at;
+  };
+  const auto [least, largest] = std::minmax_element(kept.begin(), kept.end());
+  offsets.first = *least;
+  offsets.last = *largest;
+  offsets.least_middle = ranked(cut);
+  offsets.largest_middle = ranked(n - 1 - cut);
+  offsets.alike = static_cast<std::size_t>(std::count(all.begin(), all.end(), offsets.least_middle));
+  const double middle = to_seconds(offsets.largest_middle - offsets.least_middle);
+  if (n > 1) offsets.span = middle * static_cast<double>(n - 1) / static_cast<double>(n - 1 - 2 * cut);
+  return offsets;
+}
+
+/// Judges the offsets of a Livox topic by the median span of its first messages. A driver may send 10 ms at a time, or
+/// first messages cut off by its start; only a span that is off by hundreds is of another unit.
 class LivoxDecoder final : public LidarDecoder {
  public:
   LivoxDecoder(const SensorConfig& sensor, std::string where)
-      : where_(std::move(where)), require_times_(sensor.require_point_times), sweep_period_(sensor.model.sweep_period) {
+      : where_(std::move(where)),
+        require_times_(sensor.require_point_times),
+        sweep_period_(sensor.model.sweep_period),
+        longest_(longest_offset(sensor)) {
     rule_.tag_filter = sensor.livox_tag_filter;
     rule_.scan_lines = sensor.model.scan_lines;
-    rule_.longest_offset = longest_offset(sensor);
+    rule_.longest_offset = kTimeMax;  // until judged: what lies beyond may be all there is
   }
 
   bool judge(decode::Bytes message, SourceNotes& notes) override {
@@ -34,20 +79,17 @@ class LivoxDecoder final : public LidarDecoder {
     }
     if (facts.valid < 2) return false;
     if (!clock_judged_) judge_clock(facts.timebase - facts.stamp, notes);
-    if (is_sweep(facts.span())) {
-      notes.verdicts.push_back(fmt::format("lidar point times: livox offset_time, ns from the {} ({:.6f} to {:.6f} s)",
-                                           base(), 1e-9 * facts.first_offset, 1e-9 * facts.last_offset));
-      return true;
-    }
-    if (facts.valid < (facts.last_offset == 0 ? kEnoughZeros : kEnoughPoints)) return false;
-    if (doubtful_++ == 0 || facts.span() > longest_.span()) longest_ = facts;
-    if (doubtful_ < kEnoughMessages) return false;
-    reject_offsets(notes);
+    const Offsets offsets = look_at_offsets(packet, longest_);
+    if (!tells(offsets)) return false;
+    judged_.push_back(offsets);
+    if (judged_.size() < kEnoughMessages) return false;
+    decide(notes);
     return true;
   }
 
   void assume(SourceNotes& notes) override {
-    if (doubtful_ > 0) return reject_offsets(notes);
+    if (!judged_.empty()) return decide(notes);
+    rule_.longest_offset = longest_;
     notes.warnings.push_back(fmt::format("{}: no message has enough returns to judge point times by", where_));
   }
 
@@ -57,13 +99,33 @@ class LivoxDecoder final : public LidarDecoder {
   }
 
  private:
-  static constexpr std::uint32_t kEnoughPoints = 100;  ///< few, of one corner of the view, may be of one moment
-  static constexpr std::uint32_t kEnoughZeros = 10;    ///< no moment has offset 0 by chance in that many
+  static constexpr std::size_t kEnoughPoints = 100;  ///< few, of one corner of the view, may be of one moment
+  static constexpr std::size_t kEnoughAlike = 10;    ///< so many are not of offset 0, or damaged, by chance
   static constexpr std::size_t kEnoughMessages = 10;
 
   bool is_sweep(double span) const {
     constexpr double kFactor = 200;
     return span >= sweep_period_ / kFactor && span <= sweep_period_ * kFactor;
+  }
+
+  bool is_good(const Offsets& offsets) const { return !offsets.beyond && is_sweep(offsets.span); }
+
+  /// Few points can speak for their offsets, but hardly against them.
+  bool tells(const Offsets& offsets) const {
+    const bool alike = offsets.beyond || offsets.largest_middle == 0;
+    return is_good(offsets) || offsets.points >= (alike ? kEnoughAlike : kEnoughPoints);
+  }
+
+  void decide(SourceNotes& notes) {
+    // Of an even number the longer one: a start cuts messages short, and nothing makes them longer.
+    const auto middle = judged_.begin() + static_cast<std::ptrdiff_t>(judged_.size() / 2);
+    std::stable_sort(judged_.begin(), judged_.end(), [](const Offsets& a, const Offsets& b) {
+      return std::pair(a.beyond, a.span) < std::pair(b.beyond, b.span);
+    });
+    if (!is_good(*middle)) return reject_offsets(*middle, notes);
+    rule_.longest_offset = longest_;
+    notes.verdicts.push_back(fmt::format("lidar point times: livox offset_time, ns from the {} ({:.6f} to {:.6f} s)",
+                                         base(), to_seconds(middle->first), to_seconds(middle->last)));
   }
 
   const char* base() const { return rule_.from_header ? "header stamp" : "time base"; }
@@ -78,9 +140,23 @@ class LivoxDecoder final : public LidarDecoder {
                     where_, to_seconds(apart)));
   }
 
-  std::string why_rejected() const {
-    const double span = longest_.span();
-    if (span == 0) return fmt::format("offset_time is {} in all {} points", longest_.first_offset, longest_.valid);
+  bool counts_from_elsewhere(const Offsets& offsets) const {
+    return offsets.beyond && offsets.span <= to_seconds(longest_);
+  }
+
+  std::string why_rejected(const Offsets& offsets) const {
+    if (offsets.beyond) {
+      return fmt::format(
+          "offset_time goes from {:.6f} to {:.6f} s; more than {} s after the {} is taken for damage ({})",
+          to_seconds(offsets.first), to_seconds(offsets.last), to_seconds(longest_), base(),
+          counts_from_elsewhere(offsets) ? "does it count from another moment?" : "is `sweep_period` right?");
+    }
+    const double span = offsets.span;
+    if (span == 0) {
+      const bool all = offsets.alike == offsets.points;
+      return fmt::format("offset_time is {} in {} {} points", offsets.least_middle,
+                         all ? "all" : fmt::format("{} of", offsets.alike), offsets.points);
+    }
     const char* guess = "is offset_time in ns, and `sweep_period` right?";
     // Both may fit; messages are shorter than a sweep rather than longer, so that the smaller unit is meant.
     if (is_sweep(1e3 * span)) {
@@ -88,18 +164,20 @@ class LivoxDecoder final : public LidarDecoder {
     } else if (is_sweep(1e6 * span)) {
       guess = "is offset_time in milliseconds?";
     }
-    const std::string first = doubtful_ == 1 ? std::string("the first message spans")
-                                             : fmt::format("the first {} messages span at most", doubtful_);
-    return fmt::format("{} {:.6g} s where `sweep_period` is {} s ({})", first, span, sweep_period_, guess);
+    const std::string first = judged_.size() == 1
+                                  ? fmt::format("the first message spans {:.3g} s", span)
+                                  : fmt::format("the first {} messages span {:.3g} s (median)", judged_.size(), span);
+    return fmt::format("{} where `sweep_period` is {} s ({})", first, sweep_period_, guess);
   }
 
-  void reject_offsets(SourceNotes& notes) {
-    const std::string why = why_rejected();
+  void reject_offsets(const Offsets& offsets, SourceNotes& notes) {
+    const std::string why = why_rejected(offsets);
     if (require_times_) {
       throw DataError(
-          fmt::format("{}: the time of the points cannot be known: {}; record with per-point times in ns, check "
-                      "`sweep_period`, or set `require_point_times: false` to go without motion correction",
-                      where_, why));
+          fmt::format("{}: the time of the points cannot be known: {}; record with per-point times in ns{}, or set "
+                      "`require_point_times: false` to go without motion correction",
+                      where_, why,
+                      counts_from_elsewhere(offsets) ? fmt::format(" from the {}", base()) : ", check `sweep_period`"));
     }
     rule_.timed = false;
     notes.warnings.push_back(
@@ -109,9 +187,9 @@ class LivoxDecoder final : public LidarDecoder {
   std::string where_;
   bool require_times_, clock_judged_ = false;
   double sweep_period_;
+  TimeNs longest_;
   decode::LivoxRule rule_;
-  std::size_t doubtful_ = 0;    ///< messages of enough points whose span is that of no sweep
-  decode::LivoxFacts longest_;  ///< of those, the one of the longest span
+  std::vector<Offsets> judged_;  ///< those of the messages that tell
 };
 
 class CloudDecoder final : public LidarDecoder {

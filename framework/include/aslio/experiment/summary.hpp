@@ -39,13 +39,13 @@ struct Summary {
   std::vector<std::string> notes;            ///< verdicts and warnings of the reader
   double coverage = 0;                       ///< share of the data's duration inside fresh intervals that counted
   stream::StreamCounters counters;
-  std::uint64_t malformed_messages = 0;              ///< that the reader could not decode and left out
-  std::array<std::uint64_t, 6> updates_by_status{};  ///< by UpdateStatus
-  std::array<std::uint64_t, 6> refused_by_status{};  ///< of them, those refused: after the map had its first points
-  std::uint64_t accepted = 0;                        ///< updates that corrected the state
-  std::uint64_t matchable_points = 0;                ///< points that the samplers left to match, of all updates
-  bool refused_after_accepted = false;               ///< some update was refused after the first accepted one
-  double weak_share = 0;                             ///< of the time of all windows, that of weak updates
+  std::uint64_t malformed_lidar = 0, malformed_imu = 0;  ///< messages that the reader could not decode and left out
+  std::array<std::uint64_t, 6> updates_by_status{};      ///< by UpdateStatus
+  std::array<std::uint64_t, 6> refused_by_status{};      ///< of them, those refused: after the map had its first points
+  std::uint64_t accepted = 0;                            ///< updates that corrected the state
+  std::uint64_t matchable_points = 0;                    ///< points that the samplers left to match, of all updates
+  bool refused_after_accepted = false;                   ///< some update was refused after the first accepted one
+  double weak_share = 0;                                 ///< of the time of all windows, that of weak updates
   std::uint64_t updates = 0;
   double longest_imu_gap_s = 0, longest_lidar_gap_s = 0;
   std::optional<RateRange> rate_hz;

@@ -42,7 +42,7 @@ struct SourceNotes {
   std::vector<std::string> warnings;
   /// Messages so far that could not be decoded and were skipped; a warning tells what was wrong with the first. Grows
   /// while the source is read.
-  std::uint64_t malformed = 0;
+  std::uint64_t malformed_lidar = 0, malformed_imu = 0;
 };
 
 class MeasurementSource {
@@ -50,6 +50,9 @@ class MeasurementSource {
   virtual ~MeasurementSource() = default;
   /// Next measurement in recording order, or nothing at the end. Throws DataError for damage that cannot be skipped.
   virtual std::optional<Measurement> next() = 0;
+  /// Adds to the notes what only all that was read together can tell. The end of the data does so by itself; whoever
+  /// stops before it calls this.
+  virtual void conclude() {}
   virtual InputStatus status() const = 0;
   virtual const SourceNotes& notes() const = 0;
   /// Data-time extent for progress; nullopt when not known before reading.

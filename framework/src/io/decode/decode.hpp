@@ -1,6 +1,7 @@
 #pragma once
 /// Decoders of ROS1 messages. Each returns an empty text, or what is wrong with the message.
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -44,8 +45,6 @@ struct LivoxRule {
 struct LivoxFacts {
   TimeNs stamp = 0, timebase = 0;
   std::uint32_t declared = 0, present = 0, valid = 0;
-  std::uint32_t first_offset = 0, last_offset = 0;  ///< least and largest of the points kept
-  double span() const { return to_seconds(TimeNs{last_offset} - TimeNs{first_offset}); }  ///< [s]
 };
 
 std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts);
@@ -73,11 +72,15 @@ class GyroRange {
   /// What is to be said of those; empty where there are none.
   std::string beyond(const ImuUnits& units) const;
   /// Doubt in a declared deg/s, which radians per second would pass for a carrier that hardly turns; empty: none. Only
-  /// all samples together can tell.
+  /// all samples together can tell. Spikes do not: what a carrier turns, it turns for several samples.
   std::string doubt(GyroUnit declared) const;
 
  private:
-  double fastest_ = 0;
+  double median_of_latest() const;
+
+  std::array<double, 9> latest_{};  ///< a ring
+  std::uint64_t count_ = 0;
+  double fastest_ = 0, fastest_sustained_ = 0;  ///< of single samples; of the medians over `latest_`
   std::uint64_t too_fast_ = 0, too_fast_in_degrees_ = 0;
 };
 

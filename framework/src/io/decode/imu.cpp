@@ -117,6 +117,15 @@ void GyroRange::add(const Vec3& gyro) {
   fastest_ = std::max(fastest_, rate);
   too_fast_ += rate > kFastestGyro ? 1 : 0;
   too_fast_in_degrees_ += rate * kDegree > kFastestGyro ? 1 : 0;
+  latest_[count_++ % latest_.size()] = rate;
+  if (count_ >= latest_.size()) fastest_sustained_ = std::max(fastest_sustained_, median_of_latest());
+}
+
+double GyroRange::median_of_latest() const {
+  auto sorted = latest_;
+  const std::size_t n = std::min<std::size_t>(count_, sorted.size());
+  std::nth_element(sorted.begin(), sorted.begin() + n / 2, sorted.begin() + n);
+  return sorted[n / 2];
 }
 
 std::uint64_t GyroRange::too_fast(const ImuUnits& units) const {
@@ -134,12 +143,13 @@ std::string GyroRange::beyond(const ImuUnits& units) const {
 std::string GyroRange::doubt(GyroUnit declared) const {
   constexpr double kSlow = 10;    // deg/s: what is carried about turns faster some time
   constexpr double kUsual = 0.5;  // rad/s: a standstill, in either unit, stays below
-  if (declared != GyroUnit::deg_s || fastest_ >= kSlow || fastest_ <= kUsual) return {};
+  const double fastest = count_ < latest_.size() ? median_of_latest() : fastest_sustained_;
+  if (declared != GyroUnit::deg_s || fastest >= kSlow || fastest <= kUsual) return {};
   return fmt::format(
-      "gyro_unit is deg_s, but nothing in all that was read turns faster than {:.3f} deg/s; taken as "
+      "gyro_unit is deg_s, but nothing in all that was read, spikes aside, turns faster than {:.3f} deg/s; taken as "
       "rad/s that is a usual motion of up to {:.0f} deg/s: if the data are in rad/s (a factor of pi/180) "
       "set `gyro_unit: rad_s` or `auto`",
-      fastest_, fastest_ / kDegree);
+      fastest, fastest / kDegree);
 }
 
 ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where) {

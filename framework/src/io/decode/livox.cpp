@@ -46,9 +46,6 @@ std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& pack
     const bool noise = rule.tag_filter && returns != 0x00 && returns != 0x10;
     const bool damaged = rule.timed && offset > longest;
     if (noise || line >= lines || damaged || !is_return(p[0], p[1], p[2])) continue;
-    const bool first = packet.points.empty();
-    facts.first_offset = first ? offset : std::min(facts.first_offset, offset);
-    facts.last_offset = std::max(facts.last_offset, offset);
     TimedPoint& point = packet.points.emplace_back();
     point.x = p[0];
     point.y = p[1];
