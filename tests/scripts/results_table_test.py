@@ -192,7 +192,7 @@ class ResultsTable(StudyCase):
         (pages / "notes.md").write_text("# Notes\n\nBy hand.\n")
         for name in ("README.md", "echo.md"):
             (pages / name).write_text("# By hand\n")
-            code, out = printed(results_table.main, self.one(), "--into", pages)
+            code = printed(results_table.main, self.one(), "--into", pages)[0]
             self.assertEqual(code, 2)
             self.assertEqual((pages / name).read_text(), "# By hand\n")
             (pages / name).unlink()
