@@ -106,6 +106,11 @@ TEST_CASE("malformed messages degrade a run when they are more than one in a tho
   judge_ended(s);
   CHECK(s.status == RunStatus::degraded);
   CHECK(s.reason == "1 malformed LiDAR messages dropped");
+  s.malformed_lidar = 0;
+  s.malformed_imu = 1;
+  s.counters.imu = 0;  // of an estimator that takes none
+  judge_ended(s);
+  CHECK(s.status == RunStatus::ok);
 }
 
 TEST_CASE("a run without an accepted update has failed, and says why") {

@@ -127,6 +127,8 @@ TEST_CASE("an empty argument is refused, and told where it stands") {
   const Ended joined = run_aslio({"report", ".", "--output="});
   CHECK(joined.code == 2);
   CHECK_THAT(joined.err, Contains("the value of '--output' is empty"));
+  const Ended other = run_aslio({"report", "no_such=folder=", "--output=a="});
+  CHECK_THAT(other.err, Contains("no_such=folder=") && !Contains("is empty"));
 }
 
 TEST_CASE("results that stdout does not take are a failure") {

@@ -35,7 +35,8 @@ bool put(const fs::path& path, const std::string& text) {
   return stream.good();
 }
 
-int simulate(const fs::path& output) {
+/// `world`: where its surface is asked for; empty: it is not.
+int simulate(const fs::path& output, const std::string& world) {
   pause_ms(10);
   if (output.filename().string().find("broken") != std::string::npos) {
     std::fputs("error: there is no way through\n", stderr);
@@ -44,6 +45,7 @@ int simulate(const fs::path& output) {
   for (const char* file : {"data.bag", "sensor.yaml", "truth.tum", "overlap.csv", "scene.yaml", "preview.svg"}) {
     if (!put(output / file, std::string(3000, 's'))) return 3;
   }
+  if (!world.empty() && !put(world, "ply\n")) return 3;
   return put(output / "dataset.yaml", "schema: aslio/dataset/1\n") ? 0 : 3;
 }
 
@@ -125,5 +127,5 @@ int run(const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv, argv + argc);
   if (words.size() < 2) return 2;
-  return words[1] == "simulate" ? simulate(option(words, "--output")) : run(words);
+  return words[1] == "simulate" ? simulate(option(words, "--output"), option(words, "--save-world")) : run(words);
 }

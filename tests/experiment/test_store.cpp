@@ -97,7 +97,7 @@ TEST_CASE("broken shared data stay where anything lies beside them, and the new 
   fs::create_directories((d.data / mine).parent_path());
   write_text(d.data / mine, "mine");
   fs::remove(d.data / "data.bag");
-  const std::string told = d.again(), warning = "warning: " + d.data.string() + ": files of these data are gone";
+  const std::string told = d.again(), warning = "warning: " + d.data.string() + ": files of these data are missing";
   CHECK_THAT(told, Contains(warning) && Contains("the data are in " + d.second().filename().string() + "; move"));
   CHECK(told.find("warning") == told.rfind("warning"));
   CHECK(content(d.data / mine) == "mine");
@@ -111,6 +111,16 @@ TEST_CASE("broken shared data stay where anything lies beside them, and the new 
   CHECK_THROWS_WITH(d.again(), Contains("simulated data cannot be put there as scene_a_1 or scene_a_1-") &&
                                    Contains("move what is yours in these folders elsewhere"));
   CHECK(content(d.second() / "mine.txt") == "mine");
+}
+
+TEST_CASE("shared data without the world that a study asks for are made again in their place") {
+  SharedData d;
+  d.study = d.files.load(head() + "datasets: [{scene: scene_a.yaml}]\noutputs: [world]\nmethods:\n" +
+                         method("one", "fixed_window"));
+  CHECK_THAT(d.again(), Contains(kSimulated) && !Contains("warning"));
+  CHECK(fs::exists(d.data / "world.ply"));
+  CHECK_FALSE(fs::exists(d.second()));
+  CHECK_THAT(d.again(), !Contains(kSimulated));
 }
 
 TEST_CASE("shared data that another study puts in the place of broken ones are left to it") {

@@ -20,14 +20,16 @@ std::vector<std::uint8_t> spanning(TimeNs stamp, TimeNs span, int points = 100) 
   return out;
 }
 
-/// The same, in the unit of `per_ns` and moved, with the one in the middle replaced by `damaged`.
+/// The same, in the unit of `per_ns` and moved, with the one in the middle replaced by `damaged` and the last few at
+/// the end of the sweep.
 std::vector<std::uint8_t> odd(TimeNs stamp, double per_ns, TimeNs moved, std::optional<TimeNs> damaged,
-                              int points = 100) {
+                              int points = 100, std::size_t last = 0) {
   std::vector<rosbag::LivoxPoint> cloud(static_cast<std::size_t>(points), {0, 5, 0, 0, 10, 0x10, 0});
   for (int i = 0; i < points; ++i) {
     const double offset = per_ns * 99e6 * i / (points - 1);
     cloud[static_cast<std::size_t>(i)].offset_time = static_cast<std::uint32_t>(offset + static_cast<double>(moved));
   }
+  for (std::size_t i = 0; i < last; ++i) cloud[cloud.size() - 1 - i].offset_time = 99'000'000;
   if (damaged) cloud[cloud.size() / 2].offset_time = static_cast<std::uint32_t>(*damaged);
   std::vector<std::uint8_t> out;
   rosbag::encode_livox({0, stamp, ""}, stamp, 0, cloud, out);
@@ -333,6 +335,7 @@ TEST_CASE("good livox messages are accepted, however short or sparse the first o
   }
   CHECK(accepted([](int k, TimeNs t) { return livox_message(t, t, k < 45 ? k % 2 : 100); }));
   CHECK(accepted([](int k, TimeNs t) { return k < 30 ? spanning(t, 90'000, 99) : livox_message(t, t, 100); }));
+  CHECK(accepted([](int k, TimeNs t) { return k < 30 ? odd(t, 4e-3, 0, {}, 110, 5) : livox_message(t, t, 100); }));
 }
 
 TEST_CASE("livox offsets that count from another moment are refused for that, or left alone when that is asked for") {

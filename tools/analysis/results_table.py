@@ -208,13 +208,13 @@ def foreign(folder, names):
     """Files that would be written over and are no pages or index of this program, sorted."""
     begins = {f"{name}.md": PAGE_BEGIN for name in names} | {INDEX: INDEX_BEGIN}
     return [name for name, begin in sorted(begins.items())
-            if (folder / name).exists() and not (folder / name).read_text(encoding="utf-8", errors="replace").startswith(begin)]
+            if (folder / name).is_dir() or (folder / name).exists() and not (folder / name).read_text(encoding="utf-8", errors="replace").startswith(begin)]
 
 
 def listed(folder):
     """The index of a folder of pages: of every page its question, and of how many runs and which program it is."""
     lines = []
-    for page in sorted(folder.glob("*.md")):
+    for page in sorted(page for page in folder.glob("*.md") if page.is_file()):
         text = page.read_text(encoding="utf-8", errors="replace")
         if not text.startswith(PAGE_BEGIN):
             continue

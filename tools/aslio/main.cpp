@@ -60,7 +60,7 @@ void require_known_command(const std::vector<Command>& commands, const std::vect
 void require_values(const std::vector<std::string>& command_line) {
   for (std::size_t i = 1; i < command_line.size(); ++i) {
     const std::string& word = command_line[i];
-    const bool no_value = word.starts_with("--") && word.ends_with('=');
+    const bool no_value = word.starts_with("--") && word.find('=') == word.size() - 1;
     if (!word.empty() && !no_value) continue;
     throw ConfigError(fmt::format("{} '{}' is empty: give a value (a shell variable that is not set leaves none)",
                                   no_value ? "the value of" : "the argument after",

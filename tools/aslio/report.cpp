@@ -43,12 +43,12 @@ std::string text_of(const report::StudyFolder& study, const std::string& format,
   return report::make_page(study, report::read_bundle(bundle_folder().lexically_normal()), limits, &unreadable);
 }
 
-/// The first few, which show what they are of; the page has all.
+/// The first few, which show what they are of.
 void warn_of(const std::vector<std::string>& unreadable) {
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, unreadable.size()); ++i) tell("warning: " + unreadable[i]);
   if (unreadable.size() > kShown) {
-    tell(fmt::format("warning: {} more files of runs could not be read; the page names them",
+    tell(fmt::format("warning: and {} more of the kind; the page has them beside their runs, as far as they fit",
                      unreadable.size() - kShown));
   }
 }

@@ -239,7 +239,7 @@ fs::path StudyStore::commit(const StudyData& data, const std::function<void(cons
     entry.folder = folder;
     if (foreign) {
       warn(fmt::format(
-          "warning: {}: files of these data are gone or cut off, and {} is not of `aslio simulate`: left as "
+          "warning: {}: files of these data are missing or cut off, and {} is not of `aslio simulate`: left as "
           "it is, the data are in {}; move what is yours elsewhere and remove the folder",
           foreign->parent_path().string(), foreign->filename().string(), folder.filename().string()));
     }
@@ -257,7 +257,8 @@ fs::path StudyStore::commit(const StudyData& data, const std::function<void(cons
 }
 
 std::optional<fs::path> StudyStore::remove_broken(const StudyData& data, const fs::path& folder) const {
-  const auto broken = [&] { return identity_of(folder) == data.identity && !is_whole(folder); };
+  // Data without the world that this study asks for are made again whole, in the same place.
+  const auto broken = [&] { return identity_of(folder) == data.identity && !holds(folder, data.identity); };
   if (!broken()) return std::nullopt;
   const auto lock = FolderLock::take(folder, true);
   if (!lock || !broken()) return std::nullopt;  // another study reads them, or has just put whole ones there

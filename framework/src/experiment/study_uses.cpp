@@ -20,6 +20,12 @@ bool has_left_files(std::string_view status) {
   return status == "ok" || status == "degraded" || status == "diverged" || status == "truncated";
 }
 
+/// Is this what a run leaves? A trajectory has no header, and that of a run without an update no line.
+bool is_left(const std::filesystem::path& file) {
+  std::error_code ignored;
+  return has_content(file) || (file.extension() == ".tum" && std::filesystem::is_regular_file(file, ignored));
+}
+
 }  // namespace
 
 UsedFiles::UsedFiles(const Study& study) : files_(study.methods.size()) {
@@ -41,7 +47,7 @@ std::optional<StudyOutcome> UsedFiles::outcome(const StudyRun& run, const std::f
   auto outcome = read_outcome(folder, run.key);
   if (!outcome || !has_left_files(outcome->status)) return outcome;
   for (const std::string_view file : files_[run.method]) {
-    if (!has_content(folder / file)) return std::nullopt;
+    if (!is_left(folder / file)) return std::nullopt;
   }
   return outcome;
 }

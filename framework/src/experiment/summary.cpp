@@ -130,7 +130,7 @@ std::string anomalies(const Summary& s) {
   };
   const stream::StreamCounters& c = s.counters;
   dropped(s.malformed_lidar, c.packets, "malformed LiDAR messages");
-  dropped(s.malformed_imu, c.imu, "malformed IMU messages");
+  if (c.imu > 0) dropped(s.malformed_imu, c.imu, "malformed IMU messages");  // where they are taken at all
   dropped(c.packet_time_jumps, c.packets, "LiDAR messages with an implausible stamp");
   dropped(c.points_stray, c.points, "points with a stray time");
   dropped(c.points_late, c.points, "points that came too late");

@@ -26,10 +26,11 @@ struct Offsets {
   double span = 0;             ///< [s]
   TimeNs least_middle = 0, largest_middle = 0;
   std::size_t alike = 0;  ///< that equal `least_middle`
+  std::size_t apart = 0;  ///< that lie later than `least_middle` by a time that is asked for
 };
 
-/// Pre: at least two points, whose times count from the stamp.
-Offsets look_at_offsets(const LidarPacket& packet, TimeNs longest) {
+/// Pre: at least two points, whose times count from the stamp. `apart`: of Offsets::apart.
+Offsets look_at_offsets(const LidarPacket& packet, TimeNs longest, TimeNs apart) {
   std::vector<TimeNs> all, kept;
   for (const TimedPoint& p : packet.points) all.push_back(p.t - packet.stamp);
   std::copy_if(all.begin(), all.end(), std::back_inserter(kept), [longest](TimeNs t) { return t <= longest; });
@@ -49,6 +50,9 @@ Offsets look_at_offsets(const LidarPacket& packet, TimeNs longest) {
   offsets.least_middle = ranked(cut);
   offsets.largest_middle = ranked(n - 1 - cut);
   offsets.alike = static_cast<std::size_t>(std::count(all.begin(), all.end(), offsets.least_middle));
+  const TimeNs far = offsets.least_middle + apart;
+  offsets.apart =
+      static_cast<std::size_t>(std::count_if(kept.begin(), kept.end(), [far](TimeNs t) { return t > far; }));
   const double middle = to_seconds(offsets.largest_middle - offsets.least_middle);
   if (n > 1) offsets.span = middle * static_cast<double>(n - 1) / static_cast<double>(n - 1 - 2 * cut);
   return offsets;
@@ -79,7 +83,7 @@ class LivoxDecoder final : public LidarDecoder {
     }
     if (facts.valid < 2) return false;
     if (!clock_judged_) judge_clock(facts.timebase - facts.stamp, notes);
-    const Offsets offsets = look_at_offsets(packet, longest_);
+    const Offsets offsets = look_at_offsets(packet, longest_, to_ns(sweep_period_ / kFactor));
     if (!tells(offsets)) return false;
     judged_.push_back(offsets);
     if (judged_.size() < kEnoughMessages) return false;
@@ -103,17 +107,20 @@ class LivoxDecoder final : public LidarDecoder {
   static constexpr std::size_t kEnoughAlike = 10;    ///< so many are not of offset 0, or damaged, by chance
   static constexpr std::size_t kEnoughMessages = 10;
 
-  bool is_sweep(double span) const {
-    constexpr double kFactor = 200;
-    return span >= sweep_period_ / kFactor && span <= sweep_period_ * kFactor;
-  }
+  static constexpr double kFactor = 200;          ///< by which a span may differ from a sweep
+  static constexpr std::size_t kEnoughApart = 3;  ///< so many are not damaged alike
+
+  bool is_sweep(double span) const { return span >= sweep_period_ / kFactor && span <= sweep_period_ * kFactor; }
 
   bool is_good(const Offsets& offsets) const { return !offsets.beyond && is_sweep(offsets.span); }
 
   /// Few points can speak for their offsets, but hardly against them.
   bool tells(const Offsets& offsets) const {
+    if (is_good(offsets)) return true;
     const bool alike = offsets.beyond || offsets.largest_middle == 0;
-    return is_good(offsets) || offsets.points >= (alike ? kEnoughAlike : kEnoughPoints);
+    // Nearly all returns may be of one short moment, where the rest of the sweep sees the sky.
+    if (!alike && offsets.span < sweep_period_ && offsets.apart >= kEnoughApart) return false;
+    return offsets.points >= (alike ? kEnoughAlike : kEnoughPoints);
   }
 
   void decide(SourceNotes& notes) {
