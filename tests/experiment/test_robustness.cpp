@@ -260,23 +260,6 @@ TEST_CASE("a finished run whose summary is lost, torn or cannot be read is made 
   CHECK(tables(output) == before);
 }
 
-TEST_CASE("a trajectory without a pose is an empty file, and not made again for that") {
-  const StudyFiles files;
-  const std::string replay = "set: {window: {type: replay, file: '{run:first}/trajectory.tum'}}";
-  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio") +
-                                 method("second", "as_lio", replay) + "metrics: [ate_m]\n");
-  const fs::path output = files.folder / "out", trajectory = output / "runs/scene_a_1/first/trajectory.tum";
-  Quiet monitor;
-  REQUIRE(run_study(study, options(output), monitor).failures() == 0);
-  write_text(trajectory, "");
-  monitor.lines.clear();
-  CHECK(run_study(study, options(output), monitor).failures() == 0);
-  CHECK(monitor.lines.empty());
-  fs::remove(trajectory);
-  CHECK(run_study(study, options(output), monitor).failures() == 0);
-  CHECK_THAT(monitor.lines, Contains("scene_a_1/first: ok"));
-}
-
 TEST_CASE("a finished run whose file another run reads is made again when the file is gone") {
   const StudyFiles files;
   const std::string replay = "set: {window: {type: replay, file: '{run:first}/updates.csv'}}";

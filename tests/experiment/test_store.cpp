@@ -70,6 +70,27 @@ const char* const kSimulated = "scene_a_1: simulated";
 
 }  // namespace
 
+TEST_CASE("a trajectory without a pose is an empty file, and not made again for that") {
+  const StudyFiles files;
+  const std::string replay = "set: {window: {type: replay, file: '{run:first}/trajectory.tum'}}";
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio") +
+                                 method("second", "as_lio", replay) + "metrics: [ate_m]\n");
+  const fs::path output = files.folder / "out", trajectory = output / "runs/scene_a_1/first/trajectory.tum";
+  StudyOptions how;
+  how.output = output;
+  how.program = "program";
+  how.executable = ASLIO_CHILD_PROGRAM;
+  Quiet monitor;
+  REQUIRE(run_study(study, how, monitor).failures() == 0);
+  write_text(trajectory, "");
+  monitor.lines.clear();
+  CHECK(run_study(study, how, monitor).failures() == 0);
+  CHECK(monitor.lines.empty());
+  fs::remove(trajectory);
+  CHECK(run_study(study, how, monitor).failures() == 0);
+  CHECK_THAT(monitor.lines, Contains("scene_a_1/first: ok"));
+}
+
 TEST_CASE("shared data without one of the files that studies read, or with an empty one, are simulated again") {
   SharedData d;
   REQUIRE_THAT(d.again(), !Contains(kSimulated));
