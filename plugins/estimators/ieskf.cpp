@@ -178,15 +178,17 @@ WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, const Gate&
   const auto sum_of = [&](std::size_t begin, std::size_t end) {
     WindowInformation sum;
     InformationLanes lanes(Rt);
-    for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
-      const ResidualRow& z = set.rows[row];
-      const std::size_t i = row / rows_per_match;
-      if (z.information <= 0.0 || !gate.passes(z.r, set.range[i])) continue;
-      const double information = (set.weight.empty() ? 1.0 : set.weight[i]) * z.information;
-      if (set.lag.empty()) {
-        lanes.add(set.body[i], z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1
-      } else {
-        sum.add_late(set.body[i], Rt, z.J, z.r, information, set.lag[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto rows = std::span<const ResidualRow>(set.rows).subspan(i * rows_per_match, rows_per_match);
+      if (!gate.passes(rows, set.range[i])) continue;
+      for (const ResidualRow& z : rows) {
+        if (z.information <= 0.0) continue;
+        const double information = (set.weight.empty() ? 1.0 : set.weight[i]) * z.information;
+        if (set.lag.empty()) {
+          lanes.add(set.body[i], z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1
+        } else {
+          sum.add_late(set.body[i], Rt, z.J, z.r, information, set.lag[i]);
+        }
       }
     }
     static_cast<PoseInformation&>(sum) += lanes.total();
@@ -449,9 +451,10 @@ void Ieskf::record_residuals() {
   place(fresh_, state_);
   residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, params_.sigma, fresh_.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-  for (std::size_t row = 0; row < fresh_.rows.size(); ++row) {
-    ResidualRow& z = fresh_.rows[row];
-    if (!gate_.passes(z.r, fresh_.range[row / rows_per_match])) z.information = 0;
+  for (std::size_t i = 0; i < fresh_.body.size(); ++i) {
+    const auto rows = std::span<ResidualRow>(fresh_.rows).subspan(i * rows_per_match, rows_per_match);
+    if (gate_.passes(rows, fresh_.range[i])) continue;
+    for (ResidualRow& z : rows) z.information = 0;
   }
   record_matches(fresh_.rows, rows_per_match, records_, result_.residual_rms);
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <span>
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
@@ -82,8 +84,10 @@ class Ieskf final : public Estimator {
   /// How far from its surface a point may lie: r^2 <= at_hand + by_range range^2 [m^2, rad^2].
   struct Gate {
     double at_hand = std::numeric_limits<double>::infinity(), by_range = 0;
-    bool passes(double r, float range) const {
-      return r * r <= at_hand + by_range * static_cast<double>(range) * static_cast<double>(range);
+    /// A match takes part as a whole: when all its rows pass.
+    bool passes(std::span<const ResidualRow> rows, float range) const {
+      const double limit = at_hand + by_range * static_cast<double>(range) * static_cast<double>(range);
+      return std::all_of(rows.begin(), rows.end(), [limit](const ResidualRow& z) { return z.r * z.r <= limit; });
     }
   };
 

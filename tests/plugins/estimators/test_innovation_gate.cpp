@@ -56,3 +56,13 @@ TEST_CASE("an uncertain prior opens the gate: a start in motion finds its place"
   // A filter that holds itself to be at rest refuses what says otherwise.
   CHECK((locate(kGated, away, 0.01).p - away.p).norm() > 3 * (uncertain.p - away.p).norm());
 }
+
+TEST_CASE("a match of several rows takes part as a whole or not at all") {
+  // Nearest points, which lie along the walls by up to some decimetres from what they match.
+  const std::string points = "estimator.residual={type: point_to_point, gate: 0, kernel: none}";
+  const Found gated = locate({"estimator.sigma=0.02", "estimator.innovation_gate=3", points}, Pose{}, 0.01);
+  const Found ungated = locate({"estimator.sigma=0.02", points}, Pose{}, 0.01);
+  CHECK(gated.matches < ungated.matches);
+  CHECK(gated.matches > 100);
+  CHECK(static_cast<std::uint32_t>(gated.recorded) == gated.matches);
+}
