@@ -110,13 +110,12 @@ BeginEndInformation CtIcp::measure(PointMatches& matches, bool fresh, double gat
       [&](std::size_t first, std::size_t last) {
         BeginEndInformation out;
         for (std::size_t i = first; i < last; ++i) {
+          const auto match = std::span<const ResidualRow>(matches.rows).subspan(i * rows, rows);
+          if (!within(match, gate * gate)) continue;
           const BeginEnd::At at = fresh ? path_.at(share_[i]) : end;
           const double weight = matches.weight.empty() ? 1.0 : matches.weight[i];
-          for (std::size_t row = i * rows; row < (i + 1) * rows; ++row) {
-            const ResidualRow& z = matches.rows[row];
-            if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
-            out.add(at, matches.world[i], z.J, z.r, weight * z.information);
-          }
+          for (const ResidualRow& z : match)
+            if (z.information > 0.0) out.add(at, matches.world[i], z.J, z.r, weight * z.information);
         }
         return out;
       },

@@ -105,11 +105,12 @@ PoseInformation Icp::sum(PointMatches& matches, const Pose& at, double gate) {
       n, kGrain, PoseInformation{}, std::span<PoseInformation>(partials_),
       [&](std::size_t begin, std::size_t end) {
         PoseInformation out;
-        for (std::size_t row = begin * rows; row < end * rows; ++row) {
-          const ResidualRow& z = matches.rows[row];
-          if (z.information <= 0.0 || std::abs(z.r) > gate) continue;
-          const double weight = matches.weight.empty() ? 1.0 : matches.weight[row / rows];
-          out.add(matches.body[row / rows], Rt, z.J, z.r, weight * z.information);
+        for (std::size_t i = begin; i < end; ++i) {
+          const auto match = std::span<const ResidualRow>(matches.rows).subspan(i * rows, rows);
+          if (!within(match, gate * gate)) continue;
+          const double weight = matches.weight.empty() ? 1.0 : matches.weight[i];
+          for (const ResidualRow& z : match)
+            if (z.information > 0.0) out.add(matches.body[i], Rt, z.J, z.r, weight * z.information);
         }
         return out;
       },

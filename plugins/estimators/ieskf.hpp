@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <limits>
 #include <span>
 
@@ -12,6 +11,7 @@
 #include "estimators/information_update.hpp"
 #include "estimators/initial_covariance.hpp"
 #include "estimators/match_tally.hpp"
+#include "estimators/point_matches.hpp"
 #include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
@@ -84,10 +84,8 @@ class Ieskf final : public Estimator {
   /// How far from its surface a point may lie: r^2 <= at_hand + by_range range^2 [m^2, rad^2].
   struct Gate {
     double at_hand = std::numeric_limits<double>::infinity(), by_range = 0;
-    /// A match takes part as a whole: when all its rows pass.
     bool passes(std::span<const ResidualRow> rows, float range) const {
-      const double limit = at_hand + by_range * static_cast<double>(range) * static_cast<double>(range);
-      return std::all_of(rows.begin(), rows.end(), [limit](const ResidualRow& z) { return z.r * z.r <= limit; });
+      return within(rows, at_hand + by_range * static_cast<double>(range) * static_cast<double>(range));
     }
   };
 

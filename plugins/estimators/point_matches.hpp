@@ -1,6 +1,7 @@
 #pragma once
 /// Points of one class (fresh or history) and what they match in the map, over the iterations of a registration.
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,13 @@ Mat6 bounded_covariance(const Mat6& information);
 /// row that takes part [m]. Returns how many they are. Pre: rows_per_match rows of each, in order.
 std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_per_match, std::vector<MatchRecord>& out,
                            double& rms);
+
+/// Whether a match, given its rows, passes a gate: as a whole, when r^2 is at most `limit` [m^2] in every row that has
+/// information.
+inline bool within(std::span<const ResidualRow> rows, double limit) {
+  return std::all_of(rows.begin(), rows.end(),
+                     [limit](const ResidualRow& z) { return z.information <= 0.0 || z.r * z.r <= limit; });
+}
 
 struct PointMatches {
   std::vector<Vec3> body, world;  ///< at the end of the window; where the iterate places them

@@ -43,3 +43,11 @@ TEST_CASE("without matches there is no RMS") {
   CHECK(records.empty());
   CHECK(rms == 0.0);
 }
+
+TEST_CASE("a match passes a gate as a whole, by the rows that have information") {
+  CHECK(within(std::vector{row(-0.3)}, 0.09));
+  CHECK_FALSE(within(std::vector{row(-0.3)}, 0.08));
+  CHECK(within(std::vector{row(0.1), row(-0.3), row(0.2)}, 0.09));
+  CHECK_FALSE(within(std::vector{row(0.1), row(0.4), row(0.2)}, 0.09));
+  CHECK(within(std::vector{row(0.1), row(9, 0), row(0.2)}, 0.09));
+}
