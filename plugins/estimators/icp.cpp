@@ -180,6 +180,7 @@ void Icp::refuse(UpdateStatus status) {
 const Update& Icp::update(const Window& window, const HistorySelection& past, const StepContext& context) {
   result_ = Update{};
   plan_ = window.plan;
+  matched_within_ = threshold();  // the update itself teaches it another one
   propagate(window.plan.end);
   result_.prior = state_;
   load(window, past, context);
@@ -200,7 +201,7 @@ void Icp::finish() {
   records_.assign(fresh_.body.size(), MatchRecord{});
   if (result_.accepted) {
     fresh_.place(state_.pose());
-    fresh_.evaluate(*residual_, threshold());
+    fresh_.evaluate(*residual_, matched_within_);
     fresh_.record(static_cast<std::size_t>(residual_->rows_per_match()), records_, result_.residual_rms);
     if (!residual_->surfaces_from_map()) result_.neighbours = &fresh_.neighbours;
   }

@@ -57,6 +57,7 @@ class Icp final : public Estimator {
   ConstantTwist twist_;
   double squared_deviations_ = 0;
   int deviations_ = 1;
+  double matched_within_ = 0;  ///< threshold() of this update [m]
 
   Pose begin_;  ///< of the window
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};

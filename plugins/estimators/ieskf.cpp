@@ -442,7 +442,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   } else if (finite) {
     iterate(past, context);
   }
-  finish();
+  finish(finite);
   return result_;
 }
 
@@ -459,10 +459,10 @@ void Ieskf::record_residuals() {
   record_matches(fresh_.rows, rows_per_match, records_, result_.residual_rms);
 }
 
-void Ieskf::finish() {
+void Ieskf::finish(bool predicted) {
   if (params_.deskew_correction == DeskewCorrection::state) {
     const CpuTimer timer(result_.times.deskew);
-    if (!result_.accepted) retrace(state_);  // an iteration may have left another one
+    if (!result_.accepted && predicted) retrace(state_);  // an iteration may have left another one
     frame_.deskew(trajectory_);
   }
   const CpuTimer timer(result_.times.solve);

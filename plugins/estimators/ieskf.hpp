@@ -125,7 +125,7 @@ class Ieskf final : public Estimator {
               const HistorySelection& past);
   void refuse(UpdateStatus status);
   void record_residuals();
-  void finish();
+  void finish(bool predicted);
 
   Params params_;
   exec::Executor& exec_;

@@ -32,37 +32,45 @@ void MatchTally::resize(std::size_t size) {
 }
 
 /// Whether the table was large enough.
-bool MatchTally::tally(std::span<const Surface> surfaces) {
-  const void* last = nullptr;  // points come in the order in which they were measured: the next is often on the same
-  std::size_t slot = 0, used = 0;
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const void* owner = surfaces[i].valid ? surfaces[i].owner : nullptr;
-    if (owner == nullptr) {
-      slots_[i] = static_cast<std::uint32_t>(owners_.size());
-      continue;
-    }
-    if (owner != last) {
-      slot = slot_of(owner);
-      last = owner;
-      if (owners_[slot] == nullptr) {
-        if (2 * ++used > owners_.size()) return false;
-        owners_[slot] = owner;
+bool MatchTally::tally(std::span<const std::span<Surface>> sets) {
+  std::size_t used = 0, at = 0;
+  for (const std::span<const Surface> surfaces : sets) {
+    const void* last = nullptr;  // points come in the order in which they were measured: the next is often on the same
+    std::size_t slot = 0;
+    for (const Surface& surface : surfaces) {
+      const void* owner = surface.valid ? surface.owner : nullptr;
+      if (owner == nullptr) {
+        slots_[at++] = static_cast<std::uint32_t>(owners_.size());
+        continue;
       }
+      if (owner != last) {
+        slot = slot_of(owner);
+        last = owner;
+        if (owners_[slot] == nullptr) {
+          if (2 * ++used > owners_.size()) return false;
+          owners_[slot] = owner;
+        }
+      }
+      slots_[at++] = static_cast<std::uint32_t>(slot);
+      ++counts_[slot];
     }
-    slots_[i] = static_cast<std::uint32_t>(slot);
-    ++counts_[slot];
   }
   return true;
 }
 
-void MatchTally::count(std::span<Surface> surfaces, double times) {
-  slots_.resize(surfaces.size());
+void MatchTally::count(std::span<const std::span<Surface>> sets, double times) {
+  std::size_t size = 0;
+  for (const std::span<Surface> surfaces : sets) size += surfaces.size();
+  slots_.resize(size);
   if (owners_.empty()) resize(kFirst);
   std::fill(owners_.begin(), owners_.end(), nullptr);
   std::fill(counts_.begin(), counts_.end(), 0U);
-  while (!tally(surfaces)) resize(2 * owners_.size());
+  while (!tally(sets)) resize(2 * owners_.size());
   counts_.back() = 1;
-  for (std::size_t i = 0; i < surfaces.size(); ++i) surfaces[i].sharers = times * counts_[slots_[i]];
+  std::size_t at = 0;
+  for (const std::span<Surface> surfaces : sets) {
+    for (Surface& surface : surfaces) surface.sharers = times * counts_[slots_[at++]];
+  }
 }
 
 }  // namespace aslio::plugins

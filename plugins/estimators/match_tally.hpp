@@ -17,10 +17,14 @@ class MatchTally {
   void reserve(std::size_t matches);
   /// Surface::sharers of each becomes `times` the number of valid matches with the same owner, itself included, or
   /// `times` without an owner.
-  void count(std::span<Surface> surfaces, double times = 1.0);
+  void count(std::span<Surface> surfaces, double times = 1.0) {
+    count(std::span<const std::span<Surface>>(&surfaces, 1), times);
+  }
+  /// The same of several sets that are registered together.
+  void count(std::span<const std::span<Surface>> sets, double times = 1.0);
 
  private:
-  bool tally(std::span<const Surface> surfaces);
+  bool tally(std::span<const std::span<Surface>> sets);
   std::size_t slot_of(const void* owner);
   void resize(std::size_t size);
 

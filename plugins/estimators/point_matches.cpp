@@ -55,6 +55,12 @@ void PointMatches::place(const Pose& T) {
 
 void PointMatches::associate(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,
                              std::uint8_t feature) {
+  match(map, residual, viewpoint, max_stamp, feature);
+  if (residual.counts_sharers()) tally.count(surfaces);
+}
+
+void PointMatches::match(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,
+                         std::uint8_t feature) {
   surfaces.resize(body.size());
   MapQuery query = residual.query();
   query.max_stamp = max_stamp;
@@ -62,7 +68,6 @@ void PointMatches::associate(const Map& map, Residual& residual, const Vec3& vie
   query.viewpoint = viewpoint;
   if (residual.surfaces_from_map()) {
     map.surfaces(world, query, surfaces);
-    if (residual.counts_sharers()) tally.count(surfaces);
     return;
   }
   map.correspond(world, query, neighbours);
@@ -87,22 +92,30 @@ void PointMatches::load(const HistorySelection& past, const Pose& prior) {
   }
 }
 
+MatchRecord record_of(std::span<const ResidualRow> rows, double& squares) {
+  MatchRecord out;
+  double last = 0;
+  squares = 0;
+  for (const ResidualRow& row : rows) {
+    if (row.information <= 0.0) continue;
+    out.accepted = true;
+    squares += row.r * row.r;
+    last = row.r;
+  }
+  // One row is signed; several are the components of a vector.
+  if (out.accepted) out.residual = static_cast<float>(rows.size() == 1 ? last : std::sqrt(squares));
+  return out;
+}
+
 std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_per_match, std::vector<MatchRecord>& out,
                            double& rms) {
   out.assign(rows.size() / rows_per_match, MatchRecord{});
   double squares = 0;
   std::size_t accepted = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    double own = 0, last = 0;
-    for (std::size_t row = i * rows_per_match; row < (i + 1) * rows_per_match; ++row) {
-      if (rows[row].information <= 0.0) continue;
-      out[i].accepted = true;
-      own += rows[row].r * rows[row].r;
-      last = rows[row].r;
-    }
+    double own = 0;
+    out[i] = record_of(rows.subspan(i * rows_per_match, rows_per_match), own);
     if (!out[i].accepted) continue;
-    // One row is signed; several are the components of a vector.
-    out[i].residual = static_cast<float>(rows_per_match == 1 ? last : std::sqrt(own));
     squares += own;
     ++accepted;
   }

@@ -27,6 +27,9 @@ bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const Wind
 /// was seen of a direction.
 Mat6 bounded_covariance(const Mat6& information);
 
+/// What became of one match, given its rows, and its |r|^2 [m^2].
+MatchRecord record_of(std::span<const ResidualRow> rows, double& squares);
+
 /// What became of every match, given its rows of the last evaluation, and the root mean square of |r| over those with a
 /// row that takes part [m]. Returns how many they are. Pre: rows_per_match rows of each, in order.
 std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_per_match, std::vector<MatchRecord>& out,
@@ -50,9 +53,12 @@ struct PointMatches {
 
   /// Room for `points`; no allocation while they do not double.
   void reserve(std::size_t points, const Residual& residual);
-  /// What the points match at `world`, seen from `viewpoint` (W).
+  /// What the points match at `world`, seen from `viewpoint` (W); those of one surface are counted (RES-5).
   void associate(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,
                  std::uint8_t feature = feature_class::none);
+  /// The same, not counted: for points that are registered together with others.
+  void match(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,
+             std::uint8_t feature = feature_class::none);
   /// Rows at `world`.
   void evaluate(Residual& residual, double sigma);
   /// World points of the frame at pose `T`.

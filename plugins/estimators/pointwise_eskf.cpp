@@ -201,9 +201,12 @@ void PointwiseEskf::take_points(std::size_t begin, std::size_t end, const Map& m
   nis_sum_ += update.nis();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     if (!(rows_[k].information > 0)) continue;
-    MatchRecord& record = records_[begin + k / rows_per_match];
-    record.accepted = true;
-    record.residual = static_cast<float>(rows_[k].r + row_slopes_[k].dot(update.delta().head<6>()));
+    rows_[k].r += row_slopes_[k].dot(update.delta().head<6>());
+    ++nis_rows_;
+  }
+  double squares = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    records_[begin + i] = record_of(std::span(rows_).subspan(i * rows_per_match, rows_per_match), squares);
   }
   mark();
 }
@@ -251,6 +254,7 @@ void PointwiseEskf::follow(const Window& window, const Map* map) {
   states_.clear();  // the begin belongs to the window before
   information_.setZero();
   nis_sum_ = 0;
+  nis_rows_ = 0;
   const auto times = frame_.match_time();
   records_.assign(times.size(), MatchRecord{});
   std::size_t s = 0, i = map == nullptr ? times.size() : 0;
@@ -337,7 +341,7 @@ void PointwiseEskf::accept(const PointwiseState& begin) {
     squares += static_cast<double>(record.residual) * static_cast<double>(record.residual);
   }
   result_.residual_rms = std::sqrt(squares / result_.fresh_matches);
-  result_.nis = nis_sum_ / result_.fresh_matches;
+  result_.nis = nis_sum_ / static_cast<double>(nis_rows_);
   result_.spectrum = pose_spectrum(information_);
   const bool open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   result_.status = open ? UpdateStatus::degenerate : UpdateStatus::ok;

@@ -93,6 +93,7 @@ class PointwiseEskf final : public Estimator {
   std::size_t readings_ = 0;    ///< of them that are readings: all, or all but the last
   Mat6 information_ = Mat6::Zero();
   double nis_sum_ = 0;
+  std::size_t nis_rows_ = 0;
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update

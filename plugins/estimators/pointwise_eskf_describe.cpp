@@ -17,7 +17,7 @@ void PointwiseEskf::describe(config::Binder& b, Params& p) {
          "limit of the gyro's range: an axis within 1 % of it is left out of the update (0: none)");
   b.real("acc_saturation", p.acc_saturation, "m/s^2", {.min = 0},
          "limit of the accelerometer's range: an axis within 1 % of it is left out of the update (0: none)");
-  b.real("imu_step", p.imu_step, "s", {.above = 0, .max = 10},
+  b.real("imu_step", p.imu_step, "s", {.min = 1e-4, .max = 10},
          "IMU samples at least twice as far apart get interpolated ones in between: the filter holds rate and force "
          "from one to the next");
   b.real("covariance_step", p.covariance_step, "s", {.min = 0, .max = 1},

@@ -38,6 +38,7 @@ void Smoother::reset(const InitialState& initial) {
 void Smoother::adopt(const InertialEstimate& better) {
   better.put(state_);
   if (!slices_.empty()) better.put(slices_.back()->state);
+  close();  // what the slices so far said of the old ones must not pull back
 }
 
 NavState Smoother::predict(std::span<const ImuSample> imu) const {
@@ -46,14 +47,26 @@ NavState Smoother::predict(std::span<const ImuSample> imu) const {
   return state;
 }
 
-/// Rows of a slice where its path places the points; with a map, matched anew.
-void Smoother::measure(Slice& slice, const Map* map) {
-  PointMatches& points = slice.points;
-  slice.path.place(points.body, slice.times, points.world, slice.lever, slice.share);
-  if (map != nullptr) {
-    const CpuTimer timer(result_.times.associate, result_.times.solve);
-    points.associate(*map, *residual_, frame_.viewpoint(slice.state.pose()), 0xffffffff);
+void Smoother::place(Slice& slice) const {
+  slice.path.place(slice.points.body, slice.times, slice.points.world, slice.lever, slice.share);
+}
+
+/// What all slices match where their paths place the points. A plane of the map that several meet is one (RES-5).
+void Smoother::associate(const Map& map) {
+  const CpuTimer timer(result_.times.associate, result_.times.solve);
+  sets_.clear();
+  for (std::size_t i = first_; i < slices_.size(); ++i) {
+    Slice& slice = *slices_[i];
+    place(slice);
+    slice.points.match(map, *residual_, frame_.viewpoint(slice.state.pose()), 0xffffffff);
+    sets_.push_back(slice.points.surfaces);
   }
+  if (residual_->counts_sharers()) tally_.count(sets_);
+}
+
+/// Rows of the points of a slice as they are placed and matched.
+void Smoother::measure(Slice& slice) {
+  PointMatches& points = slice.points;
   points.evaluate(*residual_, params_.sigma);
   const std::size_t n = points.body.size();
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
@@ -132,20 +145,34 @@ SliceInformation Smoother::fresh_sums() const {
   return sum;
 }
 
+/// Of all slices and of the fresh ones; returns the rows of the latter, of which a match may have several.
+std::size_t Smoother::count_matches() {
+  const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
+  const std::size_t fresh = fresh_sums().accepted;
+  std::size_t all = 0;
+  for (std::size_t i = first_; i < slices_.size(); ++i) all += slices_[i]->sums.accepted;
+  result_.fresh_matches = static_cast<std::uint32_t>(fresh / rows_per_match);
+  result_.history_matches = static_cast<std::uint32_t>((all - fresh) / rows_per_match);
+  return fresh;
+}
+
 void Smoother::iterate(const StepContext& context) {
   const CpuTimer timer(result_.times.solve);
   for (int j = 0; j < params_.max_iterations; ++j) {
     if (j > 0) trace_all();
-    for (std::size_t i = first_; i < slices_.size(); ++i) measure(*slices_[i], &context.map);
-    const std::size_t fresh = fresh_sums().accepted;
+    associate(context.map);
+    for (std::size_t i = first_; i < slices_.size(); ++i) measure(*slices_[i]);
     result_.iterations = j + 1;
-    if (static_cast<std::int64_t>(fresh) < params_.min_matches) return refuse(UpdateStatus::few_matches);
+    const std::size_t rows = count_matches();
+    if (static_cast<std::int64_t>(result_.fresh_matches) < params_.min_matches) {
+      return refuse(UpdateStatus::few_matches);
+    }
     double turn = 0, shift = 0;
     if (!step(turn, shift)) return refuse(UpdateStatus::non_finite);
     if (j == 0) {
       double squares = 0;
       for (std::size_t i = fresh_; i < slices_.size(); ++i) squares += pass_.squared_innovation(i - first_);
-      result_.nis = squares / static_cast<double>(fresh);
+      result_.nis = squares / static_cast<double>(rows);
     }
     const double enough_turn = params_.converged_deg * kRadPerDeg, enough_shift = params_.converged_m;
     const bool converged = turn < enough_turn && shift < enough_shift;
@@ -159,10 +186,6 @@ void Smoother::iterate(const StepContext& context) {
 
 void Smoother::accept() {
   const SliceInformation fresh = fresh_sums();
-  result_.fresh_matches = static_cast<std::uint32_t>(fresh.accepted);
-  std::size_t all = 0;
-  for (std::size_t i = first_; i < slices_.size(); ++i) all += slices_[i]->sums.accepted;
-  result_.history_matches = static_cast<std::uint32_t>(all) - result_.fresh_matches;
   state_ = slices_.back()->state;
   P_ = slices_.back()->P;
   Mat6 into = Mat6::Identity();
@@ -240,16 +263,19 @@ Vec3 Smoother::place(const WorldPoint& point) const {
 /// What the last matches of the fresh points are off by at the smoothed states.
 void Smoother::record_matches() {
   double squares = 0;
+  std::size_t all = 0;
   for (std::size_t i = fresh_; i < slices_.size(); ++i) {
     Slice& slice = *slices_[i];
-    measure(slice, nullptr);
+    place(slice);
+    measure(slice);
     double rms = 0;
     const std::size_t accepted =
         slice.points.record(static_cast<std::size_t>(residual_->rows_per_match()), slice_records_, rms);
     records_.insert(records_.end(), slice_records_.begin(), slice_records_.end());
     squares += rms * rms * static_cast<double>(accepted);
+    all += accepted;
   }
-  if (result_.fresh_matches > 0) result_.residual_rms = std::sqrt(squares / result_.fresh_matches);
+  if (all > 0) result_.residual_rms = std::sqrt(squares / static_cast<double>(all));
 }
 
 void Smoother::finish() {

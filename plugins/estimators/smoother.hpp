@@ -79,7 +79,10 @@ class Smoother final : public Estimator, private PointRevision {
   Vec3 place(const WorldPoint& point) const override;
 
   const NavState& begin_of(std::size_t i) const { return i == first_ ? begin_ : slices_[i - 1]->state; }
-  void measure(Slice& slice, const Map* map);
+  void place(Slice& slice) const;
+  void associate(const Map& map);
+  void measure(Slice& slice);
+  std::size_t count_matches();
   void linearise(std::size_t i, SliceEquations& out) const;
   bool step(double& turn, double& shift);
   void iterate(const StepContext& context);
@@ -119,6 +122,8 @@ class Smoother final : public Estimator, private PointRevision {
   SliceChain chain_;
   std::vector<NavState> states_;
   std::vector<SliceInformation> partials_;
+  std::vector<std::span<Surface>> sets_;  ///< surfaces of all slices
+  MatchTally tally_;
   std::vector<MatchRecord> records_, slice_records_;
   WindowPlan plan_;  ///< of this update
   Update result_;

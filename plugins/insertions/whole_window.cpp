@@ -3,7 +3,9 @@
 namespace aslio::plugins {
 
 InsertCount InsertWholeWindow::apply(const Window& window, const Update& update, Map& map) {
-  if (update.restart_map) {
+  const bool follows = window.sequence == last_ + 1;  // else a refused step lies between, and poses may have drifted
+  last_ = window.sequence;
+  if (update.restart_map || !follows) {
     window_.clear();
   } else {
     window_.leave(window.plan.history_begin, [](std::span<const WorldPoint>, std::uint32_t) {});

@@ -93,7 +93,9 @@ std::optional<WindowPlan> ReplayWindow::next(const StreamView& stream, const Fee
   WindowPlan plan;
   plan.fresh_begin = feedback.t;
   plan.end = tile->end;
-  plan.history_begin = feedback.t - (update != nullptr ? update->history : 0);
+  // A cut at the seam of a shifted schedule would reach back to points that the window before has left.
+  plan.history_begin = std::max(history_begin_, feedback.t - (update != nullptr ? update->history : 0));
+  history_begin_ = plan.history_begin;
   plan.shift_time = to_seconds(shift);
   plan.partial = tile->partial;
   return plan;

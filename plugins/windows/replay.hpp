@@ -37,6 +37,7 @@ class ReplayWindow final : public WindowStrategy {
 
   std::string file_;
   ReplaySchedule schedule_;
+  TimeNs history_begin_ = kTimeMin;  ///< of the last plan
   TimeNs period_;
   TimeNs reach_;  ///< longest history of any update [ns]
   bool begun_ = false;

@@ -19,8 +19,9 @@ struct World {
   Recording recording;
 };
 
-std::vector<std::uint64_t> digests(const World& w, const std::string& name, int threads = 1) {
-  Run run(shipped(name), w.world.sensor(), threads);
+std::vector<std::uint64_t> digests(const World& w, const std::string& name, int threads = 1,
+                                   const std::vector<std::string>& overrides = {}) {
+  Run run(shipped(name, overrides), w.world.sensor(), threads);
   return run.play(w.recording).digests();
 }
 
@@ -54,11 +55,14 @@ TEST_CASE("two pipelines interleaved in one process give the same digests as eac
 TEST_CASE("digests do not depend on how the stream was cut into packets") {
   World w;
   const auto expected = digests(w, "as_lio");
+  const auto ahead = digests(w, "as_lio", 1, {"window.lookahead=true"});
+  REQUIRE(ahead.size() >= 35);
   for (const TimeNs period : {100'000'000, 20'000'000, 7'000'000}) {
     CAPTURE(period);
     World other = w;
     other.recording = repacked(w.recording, period);
     CHECK((digests(other, "as_lio") == expected));
+    CHECK((digests(other, "as_lio", 1, {"window.lookahead=true"}) == ahead));
   }
 }
 

@@ -186,3 +186,13 @@ TEST_CASE("initialisation: the levelled attitude takes the force to +z without y
     CHECK(R(0, 0) > -1e-9);           // .. and not backwards
   }
 }
+
+TEST_CASE("initialisation: nothing is averaged over a gap of the IMU") {
+  // One reading, four seconds of silence, then another attitude.
+  const auto found = Start().imu(0, 0, 0.005, Vec3(9.8, 0, 0)).imu(4.0, 4.2, 0.005, kUp).run();
+  REQUIRE(found);
+  CHECK(found->initial.state.t == kEpoch + to_ns(4.1));
+  CHECK(found->initial.state.R.isApprox(Mat3::Identity(), 1e-9));
+  CHECK_THAT(found->verdict, Contains("over 21 samples"));
+  CHECK_FALSE(Start().imu(0, 0, 0.005, kUp).imu(4.0, 4.05, 0.005, kUp).run());
+}

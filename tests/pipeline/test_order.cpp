@@ -85,10 +85,12 @@ class Burner final : public Observer {
     while (thread_cpu_seconds() < end) {
     }
     burnt += 0.01;
+    ++calls;
   }
   void after(const std::string&) override {}
 
   double burnt = 0;
+  std::size_t calls = 0;
 
  private:
   std::string call_;
@@ -172,4 +174,36 @@ TEST_CASE("what the overlap learns is on its account, what enters the map on the
     CHECK((call == "insert" ? insert : overlap) >= burner.burnt);
     CHECK((call == "insert" ? overlap : insert) < burner.burnt);
   }
+}
+
+TEST_CASE("what it takes to decide on a window is told, also where it is found that more data is needed") {
+  const simulator::AnalyticWorld world({.duration_scale = 0.5});
+  const auto source = world.source();
+  Burner burner("next");
+  const plugin::Catalog catalog = spied(built_in_stages(), burner);
+  Run run(shipped("as_lio", {}, catalog), world.sensor());
+  run.play(record(*source, world.begin_time() + to_ns(1.5)));
+  double window = 0;
+  for (const pipeline::UpdateRecord& update : run.updates) window += update.times.window;
+  REQUIRE(burner.calls > 2 * run.updates.size());
+  CHECK(window > burner.burnt - 0.05);  // the last ones decide on no window any more
+}
+
+TEST_CASE("the digest of a state tells every part of it") {
+  NavState state;
+  std::set<std::uint64_t> digests = {pipeline::state_digest(state)};
+  const auto changed = [&](auto change) {
+    NavState other = state;
+    change(other);
+    return digests.insert(pipeline::state_digest(other)).second;
+  };
+  CHECK(changed([](NavState& s) { s.t = 1; }));
+  CHECK(changed([](NavState& s) { s.R(2, 1) = 1e-300; }));
+  CHECK(changed([](NavState& s) { s.p.z() = 1e-300; }));
+  CHECK(changed([](NavState& s) { s.v.z() = 1e-300; }));
+  CHECK(changed([](NavState& s) { s.b_w.z() = 1e-300; }));
+  CHECK(changed([](NavState& s) { s.b_a.z() = 1e-300; }));
+  CHECK(changed([](NavState& s) { s.g.x() = 1e-300; }));
+  CHECK(changed([](NavState& s) { s.S_w(2, 1) = 1e-300; }));
+  CHECK(changed([](NavState& s) { s.imu_delay = 1e-300; }));
 }

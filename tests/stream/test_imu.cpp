@@ -10,6 +10,8 @@
 
 using namespace aslio;
 using namespace aslio::test;
+using stream::kMaxForce;
+using stream::kMaxRate;
 using stream::MeasurementStream;
 
 namespace {
@@ -269,4 +271,44 @@ TEST_CASE("missing IMU data is held or bridged") {
   CHECK(out[1].gyro.x() == Approx(24));
   stream.imu_covering(kEpoch + 10 * kPeriod, kEpoch + 35 * kPeriod, out);
   CHECK(out.size() == 16);  // 10 to 19 and 30 to 35
+}
+
+TEST_CASE("a first sample with a wild stamp is forgotten once three others agree against it") {
+  for (const TimeNs first : {TimeNs{0}, kEpoch + 5 * kSecond, kEpoch + 3600 * kSecond}) {
+    CAPTURE(first);
+    MeasurementStream stream;
+    stream.push(imu(first));
+    for (const ImuSample& s : regular_imu(100)) stream.push(s);
+    CHECK(stream.first_imu() == kEpoch + 2 * kPeriod);
+    CHECK(stream.last_imu() == kEpoch + 99 * kPeriod);
+    CHECK(stream.counters().imu == 98);
+    CHECK(stream.counters().imu_time_jumps == 3);
+    CHECK(stream.counters().longest_imu_step == kPeriod);
+    // From then on a jump is a jump.
+    const TimeNs back = kEpoch - 20 * kSecond;
+    stream.push(imu(back));
+    stream.push(imu(back + kPeriod));
+    CHECK_THROWS_AS(stream.push(imu(back + 2 * kPeriod)), DataError);
+  }
+}
+
+TEST_CASE("readings that no IMU can have are dropped and counted") {
+  MeasurementStream stream;
+  const double limits[2] = {kMaxRate, kMaxForce};
+  for (int axis = 0; axis < 6; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      for (const double size : {1.0, 1e200}) {
+        ImuSample sample = imu(kEpoch);
+        (axis < 3 ? sample.gyro : sample.acc)[axis % 3] = sign * size * limits[axis / 3];
+        stream.push(sample);
+      }
+    }
+  }
+  CHECK(stream.counters().imu_invalid == 24);
+  CHECK(stream.counters().imu == 0);
+  ImuSample hard = imu(kEpoch);
+  hard.gyro.setConstant(0.99 * kMaxRate);
+  hard.acc.setConstant(-0.99 * kMaxForce);
+  stream.push(hard);
+  CHECK(stream.counters().imu == 1);
 }

@@ -280,3 +280,19 @@ TEST_CASE("the end of a sweep is known once a later one has begun") {
   CHECK(*stream.sweep_end_after(kEpoch + 29000) == kEpoch + 30000);
   CHECK_FALSE(stream.sweep_end_after(kEpoch + 30000));
 }
+
+TEST_CASE("a first packet with a wild stamp is forgotten once three others agree against it") {
+  const TimeNs step = kSecond / 10;
+  for (const TimeNs first : {TimeNs{0}, kEpoch + 5 * kSecond, kEpoch + 3600 * kSecond}) {
+    CAPTURE(first);
+    MeasurementStream stream;
+    stream.push(regular_packet(7, first, 1000, 50));
+    for (std::uint32_t k = 0; k < 6; ++k) stream.push(regular_packet(k, kEpoch + k * step, 1000, 100));
+    CHECK(stream.first_point() == kEpoch + 2 * step);
+    CHECK(stream.last_point() == kEpoch + 5 * step + 99'000);
+    CHECK(stream.points(kTimeMin, kTimeMax).size() == 400);
+    CHECK(stream.counters().points == 400);
+    CHECK(stream.counters().packet_time_jumps == 3);
+    CHECK(stream.buffered_sweeps() == 4);
+  }
+}

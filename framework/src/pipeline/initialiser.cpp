@@ -11,6 +11,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/spread.hpp"
 #include "imu_at_start.hpp"
+#include "imu_gap.hpp"
 
 namespace aslio::pipeline {
 
@@ -133,8 +134,12 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   const auto first_imu = stream.first_imu();
   if (!first_point || !first_imu) return std::nullopt;
   // IMU data before the first point serves as well, when there is some.
-  const TimeNs begin = std::max(*first_imu, *first_point - to_ns(params.time)) + offset;
-  const auto used = samples_over(stream, begin, kTimeMax, params.time, *first_point + offset);
+  TimeNs begin = std::max(*first_imu, *first_point - to_ns(params.time)) + offset;
+  auto used = samples_over(stream, begin, kTimeMax, params.time, *first_point + offset);
+  for (auto gap = used.end(); (gap = std::adjacent_find(used.begin(), used.end(), is_gap)) != used.end();) {
+    begin = std::next(gap)->t;  // what was measured before a gap says nothing of after
+    used = samples_over(stream, begin, kTimeMax, params.time, *first_point + offset);
+  }
   if (used.empty()) return std::nullopt;
   const Averages mean = average(used);
   const bool is_static = params.mode == InitialisationMode::static_start ||

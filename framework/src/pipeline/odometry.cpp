@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/pipeline/new_start.hpp"
@@ -35,13 +36,14 @@ class Odometry::Loop {
 
   void run_available() {
     while (ready()) {
-      UpdateRecord record;
       std::optional<WindowPlan> plan;
       {
-        const CpuTimer timer(record.times.window);
+        const CpuTimer timer(deciding_);
         plan = stages_.window->next(stream_, feedback_, *probe_);
       }
-      if (!plan) break;
+      if (!plan) break;  // what it took to see that more is needed counts for the window that comes of it
+      UpdateRecord record;
+      record.times.window = std::exchange(deciding_, 0.0);
       note_gaps(*plan);
       if (tracking_.lost()) continue;
       step(*plan, record);
@@ -250,6 +252,7 @@ class Odometry::Loop {
   stream::MeasurementStream stream_;
   StageSet stages_;
   std::optional<PriorProbe> probe_;
+  double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
   Tracking tracking_;
   std::vector<UpdateObserver*> observers_;
   std::optional<Initialisation> initialisation_;

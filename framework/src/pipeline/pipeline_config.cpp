@@ -13,9 +13,9 @@ void PipelineConfig::describe(config::Binder& b, PipelineConfig& p) {
   b.stage("estimator", p.estimator, "the state, given all that");
   b.group("initialisation", p.initialisation, "where the first state comes from");
   b.real("max_speed", p.limits.max_speed, "m/s", {.above = 0}, "a faster state has diverged");
-  b.real("max_silence", p.limits.max_silence, "s", {.above = 0},
+  b.real("max_silence", p.limits.max_silence, "s", {.above = 0, .max = 1e6},
          "so has a run without an accepted update for longer than this");
-  b.real("max_gap", p.limits.max_gap, "s", {.above = 0},
+  b.real("max_gap", p.limits.max_gap, "s", {.above = 0, .max = 1e6},
          "and one without points, or between two IMU samples, for longer than this");
   b.choice("when_lost", p.when_lost,
            {{"restart", PipelineConfig::WhenLost::restart}, {"end", PipelineConfig::WhenLost::end}},

@@ -65,6 +65,8 @@ std::uint64_t state_digest(const NavState& state) {
   add(&state.t, sizeof state.t);
   add(state.R.data(), 9 * sizeof(double));
   for (const Vec3* v : {&state.p, &state.v, &state.b_w, &state.b_a, &state.g}) add(v->data(), 3 * sizeof(double));
+  add(state.S_w.data(), 9 * sizeof(double));
+  add(&state.imu_delay, sizeof state.imu_delay);
   return hash;
 }
 

@@ -40,7 +40,7 @@ bool JumpGuard::confirms(TimeNs begin, TimeNs end) {
   return true;
 }
 
-JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last) {
+JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last, bool sole) {
   const bool back = end < last - kMaxStepBack;
   const bool ahead = begin > last + kMaxStepAhead;
   if (!back && !ahead) {
@@ -54,6 +54,11 @@ JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last) {
   in_a_row_ = continues ? in_a_row_ + 1 : 1;
   rejected_ = begin;
   if (in_a_row_ < kConfirmations) return Verdict::ignore;
+  if (sole) {
+    in_a_row_ = 0;
+    held_.reset();
+    return Verdict::begin;
+  }
   const double jump = to_seconds(back ? last - begin : begin - last);
   throw DataError(
       fmt::format("{} clock jumped {} by {:.1f} s at {}.{:09} s ({} stamps in a row agree); split the recording there",

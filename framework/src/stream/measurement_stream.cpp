@@ -12,6 +12,12 @@ ImuSample interpolated(const ImuSample& a, const ImuSample& b, TimeNs t) {
   return {t, a.gyro + u * (b.gyro - a.gyro), a.acc + u * (b.acc - a.acc)};
 }
 
+/// Written so that a NaN fails.
+bool possible(const ImuSample& s) {
+  return s.gyro.cwiseAbs().maxCoeff() < kMaxRate && s.acc.cwiseAbs().maxCoeff() < kMaxForce && s.gyro.allFinite() &&
+         s.acc.allFinite() && sane_stamp(s.t);
+}
+
 }  // namespace
 
 MeasurementStream::MeasurementStream() = default;
@@ -38,9 +44,11 @@ void MeasurementStream::push(LidarPacket&& packet) {
   // Counted before the guard speaks, so that the counter is right also when it throws.
   if (last_point_ != kTimeMin && last_point_ - key.last > kMaxStepBack) ++counters_.packet_time_jumps;
   if (last_point_ != kTimeMin && key.first - last_point_ > kMaxStepAhead) ++counters_.packet_time_jumps;
+  const bool sole = recent_count_ == 1 && closed_until() == kTimeMin;
   const JumpGuard::Verdict verdict =
-      last_point_ == kTimeMin ? JumpGuard::Verdict::take : packet_guard_.judge(key.first, key.last, last_point_);
+      last_point_ == kTimeMin ? JumpGuard::Verdict::take : packet_guard_.judge(key.first, key.last, last_point_, sole);
   if (verdict == JumpGuard::Verdict::ignore) return;
+  if (verdict == JumpGuard::Verdict::begin) forget_first_packet();
   counters_.packet_time_jumps += held_packet_.has_value();
   held_packet_.reset();
   ArrivedPacket arrived{std::move(packet), key, findings.reordered};
@@ -94,7 +102,7 @@ void MeasurementStream::note_sweeps(std::span<const TimedPoint> points) {
 
 void MeasurementStream::push(const ImuSample& sample) {
   if (imu_left_out_) return;
-  if (!sample.gyro.allFinite() || !sample.acc.allFinite() || !sane_stamp(sample.t)) {
+  if (!possible(sample)) {
     ++counters_.imu_invalid;
     return;
   }
@@ -105,8 +113,10 @@ void MeasurementStream::push(const ImuSample& sample) {
     }
     if (held_imu_ && imu_guard_.confirms(sample.t, sample.t)) take_held_imu();
     if (last_imu_ - sample.t > kMaxStepBack || sample.t - last_imu_ > kMaxStepAhead) ++counters_.imu_time_jumps;
-    const JumpGuard::Verdict verdict = imu_guard_.judge(sample.t, sample.t, last_imu_);
+    const bool sole = counters_.imu == 1 && closed_until() == kTimeMin;
+    const JumpGuard::Verdict verdict = imu_guard_.judge(sample.t, sample.t, last_imu_, sole);
     if (verdict == JumpGuard::Verdict::ignore) return;
+    if (verdict == JumpGuard::Verdict::begin) forget_first_imu();
     counters_.imu_time_jumps += held_imu_.has_value();
     held_imu_.reset();
     if (verdict == JumpGuard::Verdict::hold) {
@@ -139,6 +149,22 @@ void MeasurementStream::take(const ImuSample& sample) {
   imu_.merge({&sample, 1});
   first_imu_ = std::min(first_imu_.value_or(kTimeMax), sample.t);
   last_imu_ = std::max(last_imu_, sample.t);
+}
+
+/// The first packet had a wild stamp, as the three after it agree.
+void MeasurementStream::forget_first_packet() {
+  counters_.points -= points_.size();
+  points_.forget(points_.size());
+  sweeps_.clear();
+  first_point_.reset();
+  last_point_ = kTimeMin;
+}
+
+void MeasurementStream::forget_first_imu() {
+  --counters_.imu;
+  imu_.forget(imu_.size());
+  first_imu_.reset();
+  last_imu_ = kTimeMin;
 }
 
 void MeasurementStream::take_held_packet() {

@@ -97,3 +97,16 @@ TEST_CASE("icp takes no IMU data") {
   const std::vector<ImuSample> times{{.t = kRoomEpoch + kTenth}, {.t = kRoomEpoch + 2 * kTenth}};
   CHECK(filter.estimator->predict(times).t == kRoomEpoch + 2 * kTenth);
 }
+
+TEST_CASE("icp: matches are recorded as they were accepted, although the update teaches another threshold") {
+  Filter filter({"estimator={type: icp}"});
+  filter.build_map(1);
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const Pose at{Mat3::Identity(), Vec3(0.15 * k, 0, 0)};
+    const Update& found = filter.update(RoomWindow(kRoomEpoch + k * kTenth, kTenth, at, k + 2));
+    REQUIRE(found.accepted);
+    const auto accepted =
+        std::count_if(found.matches.begin(), found.matches.end(), [](const MatchRecord& m) { return m.accepted; });
+    CHECK(found.fresh_matches == static_cast<std::uint32_t>(accepted));
+  }
+}

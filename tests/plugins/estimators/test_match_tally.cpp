@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <map>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "estimators/match_tally.hpp"
@@ -34,8 +35,21 @@ TEST_CASE("matches are counted by the surface they lie on, for few surfaces and 
 
 TEST_CASE("no matches at all may be counted") {
   MatchTally tally;
-  tally.count({});
+  tally.count(std::span<Surface>());
   std::vector<Surface> one(1);
   tally.count(one);
   CHECK(one[0].sharers == 1.0);
+}
+
+TEST_CASE("sets that are registered together are counted as one") {
+  const double places[3] = {};
+  std::vector<Surface> all(30);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = {.valid = i % 7 != 0, .owner = i % 5 == 0 ? nullptr : &places[i % 3]};
+  std::vector<Surface> first(all.begin(), all.begin() + 11), none, last(all.begin() + 11, all.end());
+  MatchTally tally;
+  tally.count(all, 0.5);
+  const std::span<Surface> sets[] = {first, none, last};
+  tally.count(sets, 0.5);
+  for (std::size_t i = 0; i < all.size(); ++i) CHECK((i < 11 ? first[i] : last[i - 11]).sharers == all[i].sharers);
 }

@@ -291,3 +291,19 @@ TEST_CASE("the pointwise filter finds the velocity of a start in motion") {
   const NavState& state = filter.estimator->state();
   CHECK((state.v - motion.drift).norm() < 0.1);
 }
+
+TEST_CASE("the pointwise filter records the length of a residual of several rows") {
+  Filter filter({"estimator={type: pointwise_eskf, residual: {type: point_to_point}}"});
+  filter.build_map(1);
+  const Update& found = filter.update(RoomWindow(kRoomEpoch, kTenth, Pose{}, 2));
+  REQUIRE(found.accepted);
+  // Nearest points of a wall lie to any side, so that a length is above a single component nearly everywhere.
+  std::size_t negative = 0, accepted = 0;
+  for (const MatchRecord& m : found.matches) {
+    accepted += m.accepted;
+    negative += m.accepted && m.residual < 0;
+  }
+  CHECK(accepted == 1000);
+  CHECK(negative == 0);
+  CHECK(found.nis < 3.0);
+}

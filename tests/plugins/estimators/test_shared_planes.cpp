@@ -39,6 +39,31 @@ double position_variance(const std::string& plane_sigma, int old) {
 
 }  // namespace
 
+namespace {
+
+/// Trace of the position's covariance [m^2] after a window of 7000 points that a smoother takes in `parts` slices.
+double position_variance_in_parts(const std::string& plane_sigma, std::uint32_t parts) {
+  const std::string residual = "{type: point_to_plane, planes: map, plane_sigma: " + plane_sigma + "}";
+  Filter filter({"estimator={type: smoother, residual: " + residual + "}", "map={type: voxel_plane}"}, 3.0);
+  filter.build_map(1);
+  RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2, 7000);
+  WindowPlan& plan = room.window.plan;
+  plan.cut_count = parts;
+  for (std::uint32_t i = 1; i <= parts; ++i) plan.cuts[i - 1] = plan.fresh_begin + kTenth * i / parts;
+  const Update& found = filter.update(room);
+  REQUIRE(found.accepted);
+  return found.P.block<3, 3>(block::p, block::p).trace();
+}
+
+}  // namespace
+
+TEST_CASE("however many slices a smoother has, together they know no more than the planes they see") {
+  const double free = position_variance_in_parts("0", 1), free_cut = position_variance_in_parts("0", 7);
+  const double shared = position_variance_in_parts("0.2", 1), shared_cut = position_variance_in_parts("0.2", 7);
+  CHECK(shared > 10 * free);
+  CHECK(shared_cut / shared > 0.7 * free_cut / free);
+}
+
 TEST_CASE("old points of a window, as fresh ones, know no more than the planes they lie on") {
   CHECK(position_variance("0", 20000) < 0.3 * position_variance("0", 1000));
   CHECK(position_variance("1", 20000) > 0.7 * position_variance("1", 1000));

@@ -1,6 +1,8 @@
 // The smoother: motion inside a window that the IMU tells wrongly, slices that stay while they are in the window, and
 // points that move with them.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 
 #include "plugins/estimators/room_filter.hpp"
@@ -120,7 +122,7 @@ TEST_CASE("smoother: a refused step ends the chain, and the next one goes on fro
     room.window.plan.history_begin = kRoomEpoch;
     const Update& update = filter.update(room);
     CHECK(update.accepted == (k != 3));
-    CHECK((update.history_matches > 0) == (k == 1 || k == 2 || k == 5));
+    CHECK((update.history_matches > 0) == (k == 1 || k == 2 || k == 3 || k == 5));  // told of a refused step, too
     CHECK((update.state.p - motion.at(update.state.t).p).norm() < 0.005);
     CHECK(update.P.allFinite());
   }
@@ -142,5 +144,46 @@ TEST_CASE("smoother: impossible IMU data does not outlive its window") {
     if (std::isfinite(reading)) continue;
     CHECK(update.status == UpdateStatus::non_finite);
     CHECK(filter.update(RoomWindow(kRoomEpoch + 2 * kTenth, kTenth, Pose{}, 4)).accepted);
+  }
+}
+
+TEST_CASE("smoother: matches are counted, not the rows of their residuals, also when they are too few") {
+  Filter filter({"estimator={type: smoother, residual: {type: point_to_point}, min_matches: 1000}"});
+  filter.build_map(1);
+  const Update& found = filter.update(RoomWindow(kRoomEpoch, kTenth, Pose{}, 2, 2000));
+  REQUIRE(found.accepted);
+  const auto accepted = static_cast<std::uint32_t>(
+      std::count_if(found.matches.begin(), found.matches.end(), [](const MatchRecord& m) { return m.accepted; }));
+  CHECK(found.fresh_matches == Approx(accepted).epsilon(0.01));  // before and after the last step
+  CHECK(found.fresh_matches <= 2000);
+  double squares = 0;
+  for (const MatchRecord& m : found.matches)
+    squares += static_cast<double>(m.residual) * static_cast<double>(m.residual);
+  CHECK(found.residual_rms == Approx(std::sqrt(squares / accepted)).epsilon(1e-4));
+
+  const Update& few = filter.update(RoomWindow(kRoomEpoch + kTenth, kTenth, Pose{}, 3, 900));
+  CHECK(few.status == UpdateStatus::few_matches);  // of 2700 rows
+  CHECK(few.fresh_matches > 0);
+  CHECK(few.fresh_matches <= 900);
+}
+
+TEST_CASE("smoother: goes on from the velocity and biases that it is told, whatever was before") {
+  for (const bool refused_before : {false, true}) {
+    CAPTURE(refused_before);
+    Filter filter({kSmoother});
+    filter.build_map(1);
+    REQUIRE(filter.update(RoomWindow(kRoomEpoch, kTenth, Pose{}, 2)).accepted);
+    if (refused_before) CHECK_FALSE(filter.update(RoomWindow(kRoomEpoch + kTenth, kTenth, Pose{}, 3, 2)).accepted);
+    const TimeNs begin = kRoomEpoch + (refused_before ? 2 : 1) * kTenth;
+    const NavState before = filter.estimator->state();
+    InertialEstimate told{before.v + Vec3(0.3, 0, 0), Vec3(0.01, 0, 0), Vec3(0, 0.1, 0)};
+    filter.estimator->adopt(told);
+    RoomWindow room(begin, kTenth, Pose{}, 4);
+    room.window.plan.history_begin = begin - kTenth / 2;
+    const NavState ahead = filter.estimator->predict(room.imu);
+    const Update& update = filter.update(room);
+    CHECK((update.prior.p - ahead.p).norm() < 1e-12);
+    CHECK((update.prior.v - ahead.v).norm() < 1e-12);
+    CHECK(update.prior.b_w == told.b_w);
   }
 }

@@ -139,7 +139,7 @@ TEST_CASE("every map: what is not finite or beyond all cells is refused and find
   }
 }
 
-TEST_CASE("every map: memory stays bounded over a kilometre, and the points visited do not depend on the order") {
+TEST_CASE("every map: memory stays bounded over a kilometre, and two visits see the same points") {
   EveryMap fixture;
   for (const auto& type : fixture.types()) {
     INFO(type);

@@ -77,7 +77,7 @@ double angle(const Vec3& a, const Vec3& b) { return a.cross(b).norm(); }
 
 }  // namespace
 
-TEST_CASE("planes equal the eigenvector of the scatter, whatever the noise") {  // eq. RES-1
+TEST_CASE("planes equal the eigenvector of the scatter wherever the points lie in one") {  // eq. RES-1
   test::BuildEnvironment environment;
   Random random(1);
   for (const int k : {3, 5, 8, 20}) {

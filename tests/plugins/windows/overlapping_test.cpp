@@ -36,7 +36,9 @@ TEST_CASE("overlapping: by default a sweep of 0.1 s in two halves") {  // eq. WI
 }
 
 TEST_CASE("overlapping: with the step as long as the window there is no history") {
-  for (const WindowPlan& plan : test::plans_of("{type: overlapping, length: 0.1, step: 0.1}", dense_stream(500))) {
+  const auto plans = test::plans_of("{type: overlapping, length: 0.1, step: 0.1}", dense_stream(500));
+  REQUIRE(plans.size() == 5);
+  for (const WindowPlan& plan : plans) {
     CHECK(plan.history_begin == plan.fresh_begin);
   }
 }

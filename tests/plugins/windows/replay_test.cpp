@@ -82,6 +82,18 @@ TEST_CASE("replay: history stays with its update, and reach is that of the longe
   CHECK(test::WindowCatalog().read(replay(file)).make(environment.context())->reach() == 80 * kMs);
 }
 
+TEST_CASE("replay: no window reaches back further than the one before it") {  // what histories rely on
+  const test::TemporaryFolder folder;
+  // As at the seam of a shifted schedule: a long interval without history, a short piece of it, a short window.
+  const auto file = folder.write(
+      "plan.csv", "t_ns,window_begin_ns\n100000000,0\n200000000,100000000\n205000000,200000000\n213000000,113000000\n");
+  const auto plans = test::plans_of(replay(file), dense_stream(300));
+  REQUIRE(plans.size() >= 4);
+  CHECK(plans[3].fresh_begin == 205 * kMs);
+  CHECK(plans[3].history_begin == 200 * kMs);
+  for (std::size_t i = 1; i < plans.size(); ++i) CHECK(plans[i].history_begin >= plans[i - 1].history_begin);
+}
+
 TEST_CASE("replay: beyond the schedule updates come every period, without history") {
   const test::TemporaryFolder folder;
   const auto file = folder.write("plan.csv", "t_ns,window_begin_ns\n70000000,0\n90000000,10000000\n");

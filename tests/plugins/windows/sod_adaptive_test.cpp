@@ -175,7 +175,9 @@ TEST_CASE(
   SodAdaptiveWindow::Params params = without_warmup();
   params.n_least = 4;
   params.weak_segments = 3;
-  for (const WindowPlan& plan : run(params, dense_stream(500), constant(1.0))) {
+  const auto plans = run(params, dense_stream(500), constant(1.0));
+  REQUIRE(plans.size() == 10);
+  for (const WindowPlan& plan : plans) {
     CHECK(plan.seg_time == 4);
     CHECK(plan.end - plan.fresh_begin == 50 * kMs);
     CHECK(plan.fresh_begin - plan.history_begin == 50 * kMs);

@@ -27,7 +27,7 @@ struct OverlapScore {
 /// What the last update tells the window strategy. Before the first update `t` is the start of the stream.
 struct Feedback {
   TimeNs t = 0;                       ///< t_{k-1}, end of the last window
-  TimeNs first_insertion = kTimeMax;  ///< end of the window after which the map was first extended
+  TimeNs first_insertion = kTimeMax;  ///< end of the first window whose update left the map with points
   UpdateStatus status = UpdateStatus::initialising;
   OverlapScore overlap;
   NavState state;

@@ -19,6 +19,8 @@ inline constexpr TimeNs kMaxStepAhead = 60 * kSecond;
 inline constexpr float kMaxCoordinate = 1e5F;
 /// Stamps beyond this (73 years from 0) are garbage; differences of the others cannot overflow.
 inline constexpr TimeNs kMaxStamp = kTimeMax / 4;
+/// No IMU turns or falls faster [rad/s, m/s^2]: readings beyond are garbage, and their squares would overflow.
+inline constexpr double kMaxRate = 1e3, kMaxForce = 1e4;
 
 /// A stamp that arithmetic can be done with.
 constexpr bool sane_stamp(TimeNs t) { return t > -kMaxStamp && t < kMaxStamp; }
@@ -31,15 +33,16 @@ class JumpGuard {
     take,    ///< and the measurement that is held, if any, had a wild stamp: drop it
     ignore,  ///< a wild stamp
     hold,    ///< a pause or a wild stamp, as the next one will tell; drop what is held already
+    begin,   ///< the only measurement before had the wild stamp: forget that one and take this
   };
 
   explicit JumpGuard(std::string what) : what_(std::move(what)) {}
 
   /// Whether a measurement of [begin, end] confirms that the one that is held came after a pause: take that one first.
   bool confirms(TimeNs begin, TimeNs end);
-  /// Of a measurement of [begin, end] after `last`. Throws DataError at the third implausible stamp in a row that
-  /// continues the one before.
-  Verdict judge(TimeNs begin, TimeNs end, TimeNs last);
+  /// Of a measurement of [begin, end] after `last`. At the third implausible stamp in a row that continues the one
+  /// before: `begin` when only one measurement has been taken (`sole`), else throws DataError.
+  Verdict judge(TimeNs begin, TimeNs end, TimeNs last, bool sole);
 
  private:
   std::string what_;

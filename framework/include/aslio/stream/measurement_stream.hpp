@@ -30,7 +30,7 @@ struct StreamCounters {
   std::uint64_t points_before_start = 0;
   std::uint64_t points_reordered = 0;  ///< arrived out of order, put in order
   std::uint64_t imu = 0;               ///< accepted
-  std::uint64_t imu_invalid = 0;       ///< not finite: dropped
+  std::uint64_t imu_invalid = 0;       ///< not finite, or beyond 1e3 rad/s or 1e4 m/s^2: dropped
   std::uint64_t imu_duplicate = 0;     ///< equal stamp: first kept
   std::uint64_t imu_late = 0;          ///< before the last cut: dropped
   std::uint64_t imu_reordered = 0;
@@ -44,8 +44,9 @@ class MeasurementStream final : public StreamView {
   MeasurementStream();
 
   /// Points in any order. The push()es throw DataError when three measurements in a row agree that the clock jumped
-  /// (> 1 s back or > 60 s ahead); fewer are ignored and counted. One of more than 1 s ahead is held until the next one
-  /// of its sensor tells whether it was a pause, or at the end of the data the other sensor. A copy tells nothing.
+  /// (> 1 s back or > 60 s ahead); fewer are ignored and counted, and so is the first of all when the three after it
+  /// agree against it. One of more than 1 s ahead is held until the next one of its sensor tells whether it was a
+  /// pause, or at the end of the data the other sensor. A copy tells nothing.
   void push(LidarPacket&& packet);
   void push(const ImuSample& sample);
   /// No more data: *_until() become kTimeMax.
@@ -116,6 +117,8 @@ class MeasurementStream final : public StreamView {
   void take(const ImuSample& sample);
   void take_held_packet();
   void take_held_imu();
+  void forget_first_packet();
+  void forget_first_imu();
   void note_sweeps(std::span<const TimedPoint> points);
   void forget_sweeps(TimeNs t);
   /// Between readings, of a time span and what lies around it [ns]; from or to its end where there are none.
