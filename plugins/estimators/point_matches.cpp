@@ -97,7 +97,7 @@ MatchRecord record_of(std::span<const ResidualRow> rows, double& squares) {
   double last = 0;
   squares = 0;
   for (const ResidualRow& row : rows) {
-    if (row.information <= 0.0) continue;
+    if (!(row.information > 0.0)) continue;
     out.accepted = true;
     squares += row.r * row.r;
     last = row.r;

@@ -17,7 +17,11 @@ InsertCount InsertWholeWindow::apply(const Window& window, const Update& update,
     for (WorldPoint& point : placed_) point.p_W = correction * point.p_W;
   }
   placed_.insert(placed_.end(), fresh.begin(), fresh.end());
-  window_.append(fresh, window.sequence);
+  if (update.accepted || update.status == UpdateStatus::initialising) {
+    window_.append(fresh, window.sequence);
+  } else {  // dead reckoning alone may have drifted from the poses before and those to come
+    window_.clear();
+  }
   return map.insert(placed_, window.sequence);
 }
 

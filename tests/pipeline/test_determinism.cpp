@@ -1,4 +1,5 @@
 // Same input, same bits: for any number of threads, run after run, alone or interleaved, however it was packed.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "aslio/simulator/analytic_world.hpp"
@@ -73,4 +74,30 @@ TEST_CASE("other data gives other digests") {
     if (auto* imu = std::get_if<ImuSample>(&m)) imu->gyro.z() += 1e-12;
   }
   CHECK((digests(w, "fixed_window") != expected));
+}
+
+TEST_CASE("a first message with a wild stamp does not end a run, whichever sensor comes first") {
+  const World w;
+  const auto packet = std::find_if(w.recording.begin(), w.recording.end(),
+                                   [](const Measurement& m) { return std::holds_alternative<LidarPacket>(m); });
+  const auto reading = std::find_if(w.recording.begin(), w.recording.end(),
+                                    [](const Measurement& m) { return std::holds_alternative<ImuSample>(m); });
+  const TimeNs begin = std::get<ImuSample>(*reading).t;
+  for (const char* name : {"as_lio", "kiss_icp"}) {
+    const std::size_t usual = digests(w, name).size();
+    for (const TimeNs by : {-begin, 5 * kSecond, 3600 * kSecond}) {
+      for (const bool of_imu : {true, false}) {
+        CAPTURE(name, by, of_imu);
+        World other = w;
+        Measurement wild = of_imu ? *reading : *packet;
+        if (auto* imu = std::get_if<ImuSample>(&wild)) imu->t += by;
+        if (auto* points = std::get_if<LidarPacket>(&wild)) {
+          points->stamp += by;
+          for (TimedPoint& p : points->points) p.t += by;
+        }
+        other.recording.insert(other.recording.begin(), std::move(wild));
+        CHECK(digests(other, name).size() + 10 >= usual);
+      }
+    }
+  }
 }

@@ -294,5 +294,7 @@ TEST_CASE("a first packet with a wild stamp is forgotten once three others agree
     CHECK(stream.counters().points == 400);
     CHECK(stream.counters().packet_time_jumps == 3);
     CHECK(stream.buffered_sweeps() == 4);
+    CHECK(stream.counters().points_reordered == 0);
+    CHECK(stream.settled() == false);  // no IMU yet
   }
 }

@@ -137,7 +137,7 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   TimeNs begin = std::max(*first_imu, *first_point - to_ns(params.time)) + offset;
   auto used = samples_over(stream, begin, kTimeMax, params.time, *first_point + offset);
   for (auto gap = used.end(); (gap = std::adjacent_find(used.begin(), used.end(), is_gap)) != used.end();) {
-    begin = std::next(gap)->t;  // what was measured before a gap says nothing of after
+    begin = std::next(gap)->t + offset;  // what was measured before a gap says nothing of after
     used = samples_over(stream, begin, kTimeMax, params.time, *first_point + offset);
   }
   if (used.empty()) return std::nullopt;

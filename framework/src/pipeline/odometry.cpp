@@ -103,6 +103,10 @@ class Odometry::Loop {
   }
 
   bool start() {
+    if (!stream_.settled()) {
+      forget_waiting_data();
+      return false;
+    }
     initialisation_ = stages_.estimator->uses_imu()
                           ? initialise(stream_, config_.initialisation, sensor_, start_offset_)
                           : initialise_without_imu(stream_, start_offset_);
@@ -121,7 +125,7 @@ class Odometry::Loop {
     if (stream_.last_point() > kTimeMin + kMostKept) stream_.forget_points(stream_.last_point() - kMostKept);
     const TimeNs imu_kept = kMostKept + to_ns(config_.initialisation.time);
     const bool no_points_yet = !stream_.first_point() && stream_.last_imu() > kTimeMin + imu_kept;
-    if (no_points_yet) stream_.release(stream_.last_imu() - imu_kept);
+    if (no_points_yet && stream_.imu_settled()) stream_.release(stream_.last_imu() - imu_kept);
   }
 
   /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.

@@ -27,7 +27,7 @@ void MeasurementStream::push(LidarPacket&& packet) {
   counters_.points_invalid += packet.dropped_invalid;
   std::vector<TimedPoint>& points = packet.points;
   const std::size_t size = points.size();
-  const PacketFindings findings = sorter_.sort(points, last_point_);
+  PacketFindings findings = sorter_.sort(points, last_point_);
   counters_.points_invalid += findings.invalid;
   counters_.points_stray += findings.stray;
   if (points.empty()) {
@@ -48,7 +48,10 @@ void MeasurementStream::push(LidarPacket&& packet) {
   const JumpGuard::Verdict verdict =
       last_point_ == kTimeMin ? JumpGuard::Verdict::take : packet_guard_.judge(key.first, key.last, last_point_, sole);
   if (verdict == JumpGuard::Verdict::ignore) return;
-  if (verdict == JumpGuard::Verdict::begin) forget_first_packet();
+  if (verdict == JumpGuard::Verdict::begin) {
+    forget_first_packet();
+    findings.reordered = 0;  // against the first one
+  }
   counters_.packet_time_jumps += held_packet_.has_value();
   held_packet_.reset();
   ArrivedPacket arrived{std::move(packet), key, findings.reordered};

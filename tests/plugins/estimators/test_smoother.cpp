@@ -185,5 +185,7 @@ TEST_CASE("smoother: goes on from the velocity and biases that it is told, whate
     CHECK((update.prior.p - ahead.p).norm() < 1e-12);
     CHECK((update.prior.v - ahead.v).norm() < 1e-12);
     CHECK(update.prior.b_w == told.b_w);
+    REQUIRE(update.accepted);
+    CHECK(update.history_matches == 0);  // of slices that had another velocity
   }
 }

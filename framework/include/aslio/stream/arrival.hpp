@@ -19,8 +19,9 @@ inline constexpr TimeNs kMaxStepAhead = 60 * kSecond;
 inline constexpr float kMaxCoordinate = 1e5F;
 /// Stamps beyond this (73 years from 0) are garbage; differences of the others cannot overflow.
 inline constexpr TimeNs kMaxStamp = kTimeMax / 4;
-/// No IMU turns or falls faster [rad/s, m/s^2]: readings beyond are garbage, and their squares would overflow.
-inline constexpr double kMaxRate = 1e3, kMaxForce = 1e4;
+/// Readings beyond are garbage [rad/s, m/s^2], which would overflow a filter. Counts in place of units are below, and
+/// told by what they say of gravity.
+inline constexpr double kMaxRate = 1e5, kMaxForce = 1e6;
 
 /// A stamp that arithmetic can be done with.
 constexpr bool sane_stamp(TimeNs t) { return t > -kMaxStamp && t < kMaxStamp; }

@@ -30,7 +30,7 @@ struct StreamCounters {
   std::uint64_t points_before_start = 0;
   std::uint64_t points_reordered = 0;  ///< arrived out of order, put in order
   std::uint64_t imu = 0;               ///< accepted
-  std::uint64_t imu_invalid = 0;       ///< not finite, or beyond 1e3 rad/s or 1e4 m/s^2: dropped
+  std::uint64_t imu_invalid = 0;       ///< not finite, or beyond kMaxRate or kMaxForce: dropped
   std::uint64_t imu_duplicate = 0;     ///< equal stamp: first kept
   std::uint64_t imu_late = 0;          ///< before the last cut: dropped
   std::uint64_t imu_reordered = 0;
@@ -84,6 +84,10 @@ class MeasurementStream final : public StreamView {
   std::optional<TimeNs> sweep_end_after(TimeNs t) const override;
 
   bool finished() const { return finished_; }
+  /// Whether of each sensor in use more than one measurement was taken, or there are no more: until then the first may
+  /// turn out to have had a wild stamp, and nothing should be begun or released by it.
+  bool settled() const { return finished_ || (recent_count_ > 1 && (imu_left_out_ || imu_settled())); }
+  bool imu_settled() const { return counters_.imu > 1; }
   std::optional<TimeNs> first_point() const { return first_point_; }
   std::optional<TimeNs> first_imu() const { return first_imu_; }
   const StreamCounters& counters() const { return counters_; }
