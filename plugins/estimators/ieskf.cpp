@@ -311,7 +311,7 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
 }
 
 /// eq. IESKF-10, while the iterate is the prior. The history is no innovation: its points have been matched before.
-double Ieskf::innovation_per_match(const WindowInformation& fresh) const {
+double Ieskf::innovation_per_row(const WindowInformation& fresh) const {
   SeenMatrix A;
   SeenVector b;
   observe(fresh, A, b);
@@ -358,7 +358,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const Normal normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
-    if (j == 0) result_.nis = innovation_per_match(sums.fresh);
+    if (j == 0) result_.nis = innovation_per_row(sums.fresh);
     const StateVector delta = iteration_step<kSeenDim>(P, seen_, normal.A_all, normal.b_all, d);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
     x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);

@@ -119,7 +119,7 @@ class Ieskf final : public Estimator {
   void follow(const NavState& at);
   std::int64_t matches(const WindowInformation& sum) const;
   Evaluation measure(const NavState& at, bool first, const HistorySelection& past, const StepContext& context);
-  double innovation_per_match(const WindowInformation& fresh) const;
+  double innovation_per_row(const WindowInformation& fresh) const;
   Normal assemble(const Evaluation& sums, double history_weight) const;
   void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Normal& normal,
               const HistorySelection& past);

@@ -93,7 +93,8 @@ std::optional<WindowPlan> ReplayWindow::next(const StreamView& stream, const Fee
   WindowPlan plan;
   plan.fresh_begin = feedback.t;
   plan.end = tile->end;
-  // A cut at the seam of a shifted schedule would reach back to points that the window before has left.
+  // Histories rely on it that no window reaches back further than the one before, which a schedule in another order
+  // may ask for, as at the seam of a shifted one.
   plan.history_begin = std::max(history_begin_, feedback.t - (update != nullptr ? update->history : 0));
   history_begin_ = plan.history_begin;
   plan.shift_time = to_seconds(shift);

@@ -134,11 +134,14 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   const auto first_imu = stream.first_imu();
   if (!first_point || !first_imu) return std::nullopt;
   // IMU data before the first point serves as well, when there is some.
-  TimeNs begin = std::max(*first_imu, *first_point - to_ns(params.time)) + offset;
-  auto used = samples_over(stream, begin, kTimeMax, params.time, *first_point + offset);
-  for (auto gap = used.end(); (gap = std::adjacent_find(used.begin(), used.end(), is_gap)) != used.end();) {
-    begin = std::next(gap)->t + offset;  // what was measured before a gap says nothing of after
-    used = samples_over(stream, begin, kTimeMax, params.time, *first_point + offset);
+  const auto samples_from = [&](TimeNs begin) {
+    return samples_over(stream, begin + offset, kTimeMax, params.time, *first_point + offset);
+  };
+  auto used = samples_from(std::max(*first_imu, *first_point - to_ns(params.time)));
+  while (!used.empty()) {
+    const auto gap = std::adjacent_find(used.begin(), used.end(), is_gap);
+    if (gap == used.end()) break;
+    used = samples_from(std::next(gap)->t);  // what was measured before a gap says nothing of after
   }
   if (used.empty()) return std::nullopt;
   const Averages mean = average(used);

@@ -112,4 +112,13 @@ class RoomWindow {
   Window window;
 };
 
+/// Names equal parts of its window (WindowPlan::cuts).
+inline void cut(RoomWindow& room, int parts) {
+  WindowPlan& plan = room.window.plan;
+  plan.cut_count = static_cast<std::uint32_t>(parts);
+  for (int i = 1; i <= parts; ++i) {
+    plan.cuts[static_cast<std::size_t>(i - 1)] = plan.fresh_begin + (plan.end - plan.fresh_begin) * i / parts;
+  }
+}
+
 }  // namespace aslio::test

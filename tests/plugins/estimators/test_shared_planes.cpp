@@ -37,19 +37,13 @@ double position_variance(const std::string& plane_sigma, int old) {
   return found.P.block<3, 3>(block::p, block::p).trace();
 }
 
-}  // namespace
-
-namespace {
-
 /// Trace of the position's covariance [m^2] after a window of 7000 points that a smoother takes in `parts` slices.
-double position_variance_in_parts(const std::string& plane_sigma, std::uint32_t parts) {
+double position_variance_in_parts(const std::string& plane_sigma, int parts) {
   const std::string residual = "{type: point_to_plane, planes: map, plane_sigma: " + plane_sigma + "}";
   Filter filter({"estimator={type: smoother, residual: " + residual + "}", "map={type: voxel_plane}"}, 3.0);
   filter.build_map(1);
   RoomWindow room(kRoomEpoch, kTenth, Pose{}, 2, 7000);
-  WindowPlan& plan = room.window.plan;
-  plan.cut_count = parts;
-  for (std::uint32_t i = 1; i <= parts; ++i) plan.cuts[i - 1] = plan.fresh_begin + kTenth * i / parts;
+  cut(room, parts);
   const Update& found = filter.update(room);
   REQUIRE(found.accepted);
   return found.P.block<3, 3>(block::p, block::p).trace();

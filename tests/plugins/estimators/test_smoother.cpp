@@ -15,14 +15,6 @@ namespace {
 constexpr TimeNs kTenth = kSecond / 10;
 const std::string kSmoother = "estimator={type: smoother, noise: physical}";
 
-void cut(RoomWindow& room, int parts) {
-  WindowPlan& plan = room.window.plan;
-  plan.cut_count = static_cast<std::uint32_t>(parts);
-  for (int i = 1; i <= parts; ++i) {
-    plan.cuts[static_cast<std::size_t>(i - 1)] = plan.fresh_begin + (plan.end - plan.fresh_begin) * i / parts;
-  }
-}
-
 double off_the_path(const Update& update, const TurningRoom& motion, const WindowPlan& plan) {
   double worst = 0;
   for (TimeNs t = plan.fresh_begin; t <= plan.end; t += (plan.end - plan.fresh_begin) / 20) {

@@ -76,7 +76,7 @@ struct Update {
   std::uint32_t history_matches = 0;
   std::uint32_t history_points = 0;  ///< offered by the history policy
   double residual_rms = 0;           ///< of accepted fresh residuals [m]
-  double nis = 0;  ///< squared innovation of the fresh residuals at the prior, per match (eq. IESKF-10); 0: none
+  double nis = 0;  ///< squared innovation of the fresh residuals at the prior, per row (eq. IESKF-10); 0: none
   std::span<const NavState> states;             ///< states inside the window in time order, the last is `state`
   const TrajectoryModel* trajectory = nullptr;  ///< T_W_I over the fresh interval
   /// Of points of this update and earlier ones; valid as long as the estimator. nullptr: they stay where they are.
