@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
 
 namespace aslio::plugins {
@@ -13,8 +13,6 @@ namespace aslio::plugins {
 namespace {
 
 constexpr std::size_t kGrain = 256;  // points per chunk of a reduction
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
 double angle_between(const Mat3& a, const Mat3& b) { return log_so3(a.transpose() * b).norm(); }
 
 }  // namespace

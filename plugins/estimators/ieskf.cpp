@@ -3,8 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
 #include "estimators/information_lanes.hpp"
 #include "estimators/point_matches.hpp"
@@ -14,8 +14,6 @@ namespace aslio::plugins {
 namespace {
 
 constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
 /// Directions are compared in metres: a rotation counts at the lever arm of a typical point.
 Vec6 direction_scale() {
   constexpr double lever_arm = 5.0;  // [m]

@@ -1,6 +1,6 @@
 #include "estimators/initial_covariance.hpp"
 
-#include <numbers>
+#include "aslio/core/angles.hpp"
 
 namespace aslio::plugins {
 
@@ -10,8 +10,6 @@ namespace {
 constexpr double kScaleSigma = 0.01;   // of each axis
 constexpr double kCrossSigma = 0.005;  // of each cross-axis term
 constexpr double kDelaySigma = 0.003;  // [s]
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
 }  // namespace
 
 void describe_gravity(config::Binder& b, EstimatedStates::Gravity& gravity) {

@@ -4,16 +4,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
 
 namespace aslio::plugins {
 
 namespace {
 constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
 std::uint8_t class_of(std::uint8_t feature) { return static_cast<std::uint8_t>(feature & ~feature_class::clearest); }
 }  // namespace
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
 #include "estimators/information_update.hpp"
 
@@ -12,8 +12,6 @@ namespace aslio::plugins {
 namespace {
 
 constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
 }  // namespace
 
 Smoother::Smoother(const Params& params, const BuildContext& context)

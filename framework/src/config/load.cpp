@@ -19,7 +19,7 @@ constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor, FileKind::scen
 std::string schema_of(FileKind kind) { return "aslio/" + std::string(name(kind)) + "/1"; }
 
 /// Reading ends here: the problem is reported with those found before.
-[[noreturn]] void fail(const Location& at, const std::string& message, Problems problems = {}) {
+[[noreturn]] void reject(const Location& at, const std::string& message, Problems problems = {}) {
   problems.add(at, message);
   throw ConfigError(problems.text());
 }
@@ -28,14 +28,14 @@ std::string schema_of(FileKind kind) { return "aslio/" + std::string(name(kind))
 const Node& schema_value(const Node& root, const std::string& expected, const Problems& problems = {}) {
   if (!root.is_map() || root.members().empty()) {
     const std::string is = root.is_null() || root.is_map() ? "is empty" : "is not a block of keys";
-    fail(root.at(), "the file must begin with 'schema: " + expected + "', but " + is, problems);
+    reject(root.at(), "the file must begin with 'schema: " + expected + "', but " + is, problems);
   }
   const Member& first = root.members().front();
   if (first.key != "schema") {
-    fail(first.at, "the file must begin with 'schema: " + expected + "', but begins with " + quote(first.key),
-         problems);
+    reject(first.at, "the file must begin with 'schema: " + expected + "', but begins with " + quote(first.key),
+           problems);
   }
-  if (!first.value.is_scalar()) fail(first.value.at(), "schema must be " + expected, problems);
+  if (!first.value.is_scalar()) reject(first.value.at(), "schema must be " + expected, problems);
   return first.value;
 }
 
@@ -48,7 +48,7 @@ void check_schema(const Node& root, FileKind kind, const Problems& problems) {
     if (value.text() == schema_of(other)) reason = " (this is a " + std::string(name(other)) + " file)";
   }
   if (value.text().starts_with("aslio/" + std::string(name(kind)) + '/')) reason = " (this build reads version 1)";
-  fail(value.at(), "expected schema " + expected + ", found " + quote(value.text()) + reason, problems);
+  reject(value.at(), "expected schema " + expected + ", found " + quote(value.text()) + reason, problems);
 }
 
 /// The overrides come last in a message: an error of theirs goes behind those of the file.
@@ -95,7 +95,7 @@ FileKind peek_kind(const std::filesystem::path& path) {
     if (value.text() == schema_of(kind)) return kind;
     schemas.push_back(schema_of(kind));
   }
-  fail(value.at(), "unknown schema " + quote(value.text()) + suggestion(value.text(), schemas));
+  reject(value.at(), "unknown schema " + quote(value.text()) + suggestion(value.text(), schemas));
 }
 
 Bound bind_text(std::string_view text, const std::string& source, FileKind kind, const StageLookup& stages,

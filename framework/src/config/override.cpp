@@ -14,7 +14,7 @@ namespace {
 
 using Segments = std::span<const std::string>;
 
-[[noreturn]] void fail(const Location& at, const std::string& message) {
+[[noreturn]] void refuse(const Location& at, const std::string& message) {
   throw ConfigError(printable(at.text() + ": " + message));
 }
 
@@ -26,7 +26,7 @@ std::optional<std::size_t> as_index(const std::string& segment) {
 /// A later override may not silently undo an earlier one.
 void refuse_dropped(const Node& dropped, const Location& at) {
   if (dropped.at().order > 0 && !dropped.is_map()) {
-    fail(dropped.at(), "would be undone by the later " + at.text() + ": put it behind that");
+    refuse(dropped.at(), "would be undone by the later " + at.text() + ": put it behind that");
   }
   for (const Node& item : dropped.items()) refuse_dropped(item, at);
   for (const Member& member : dropped.members()) refuse_dropped(member.value, at);
@@ -60,11 +60,11 @@ class Assignment {
   Node set_item(const Node& list, std::size_t depth) const {
     const auto index = as_index(path_[depth]);
     const std::string name = quote(prefix(depth));
-    if (!index) fail(at_, name + " is a list: give an index, as in " + prefix(depth) + ".0");
+    if (!index) refuse(at_, name + " is a list: give an index, as in " + prefix(depth) + ".0");
     std::vector<Node> items = list.items();
     if (*index > items.size()) {
-      fail(at_, name + " has " + std::to_string(items.size()) + " elements: the index must be at most " +
-                    std::to_string(items.size()) + " (which appends one)");
+      refuse(at_, name + " has " + std::to_string(items.size()) + " elements: the index must be at most " +
+                      std::to_string(items.size()) + " (which appends one)");
     }
     if (*index == items.size()) items.push_back(Node::null(at_));
     items[*index] = set(items[*index], depth + 1);
@@ -107,19 +107,19 @@ Assignment read(const Override& override_, int order) {
   at.source = std::make_shared<const std::string>("--set " + text);
   at.order = order;
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos) fail(at, "must be KEY=VALUE, as in window.period=0.05");
+  if (equals == std::string::npos) refuse(at, "must be KEY=VALUE, as in window.period=0.05");
   std::vector<std::string> path;
   std::size_t begin = 0;
   while (begin <= equals) {
     const std::size_t end = std::min(text.find('.', begin), equals);
     path.push_back(text.substr(begin, end - begin));
-    if (path.back().empty()) fail(at, "the key has an empty part: write KEY=VALUE, as in window.period=0.05");
+    if (path.back().empty()) refuse(at, "the key has an empty part: write KEY=VALUE, as in window.period=0.05");
     begin = end + 1;
   }
-  if (path.size() > kMaxDepth) fail(at, "nested deeper than " + std::to_string(kMaxDepth) + " levels");
-  if (path.front() == "schema") fail(at, "the schema says what the file is and cannot be set");
+  if (path.size() > kMaxDepth) refuse(at, "nested deeper than " + std::to_string(kMaxDepth) + " levels");
+  if (path.front() == "schema") refuse(at, "the schema says what the file is and cannot be set");
   const std::string value = text.substr(equals + 1);
-  if (value.find_first_not_of(" \t") == std::string::npos) fail(at, "has no value: write null to unset a key");
+  if (value.find_first_not_of(" \t") == std::string::npos) refuse(at, "has no value: write null to unset a key");
   return {std::move(path), parse_value(value, at), at};
 }
 

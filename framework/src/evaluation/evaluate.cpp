@@ -1,16 +1,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/evaluation/evaluation.hpp"
 
 namespace aslio::evaluation {
 
 namespace {
-
-constexpr double kDegree = 180.0 / std::numbers::pi;
 
 void check(const Options& options) {
   const auto positive = [](const char* name, double value) {
@@ -43,7 +41,7 @@ PoseErrors absolute_errors(const Sample& sample, const Pose& alignment) {
   rotation.reserve(sample.pairs.size());
   for (const PosePair& pair : sample.pairs) {
     translation.push_back((alignment * pair.estimate.p - pair.reference.p).norm());
-    rotation.push_back(kDegree * log_so3(rotation_error(pair, alignment.R)).norm());
+    rotation.push_back(kDegPerRad * log_so3(rotation_error(pair, alignment.R)).norm());
   }
   return {weighted_statistics(translation, sample.weights), weighted_statistics(rotation, sample.weights)};
 }
@@ -55,7 +53,7 @@ double rotation_rmse(const Sample& sample, const Mat3& left, const Mat3& R) {
     total += sample.weights[i];
     squares += sample.weights[i] * log_so3(left.transpose() * rotation_error(sample.pairs[i], R)).squaredNorm();
   }
-  return kDegree * std::sqrt(squares / total);
+  return kDegPerRad * std::sqrt(squares / total);
 }
 
 /// The constant rotation between the worlds by orientations alone. eq. EVAL-6
@@ -110,7 +108,7 @@ EndToEnd end_to_end(const Trajectory& estimate, const std::vector<PosePair>& pai
   const Pose error =
       (first.reference.inverse() * last.reference).inverse() * (first.estimate.inverse() * last.estimate);
   result.error = error.p.norm();
-  result.rotation_error = kDegree * log_so3(error.R).norm();
+  result.rotation_error = kDegPerRad * log_so3(error.R).norm();
   return result;
 }
 

@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/evaluation/evaluation.hpp"
 
 namespace aslio::evaluation {
 
 namespace {
-
-constexpr double kDegree = 180.0 / std::numbers::pi;
 
 /// A pair is taken when its length is within this share of the one asked for, as evo does.
 constexpr double kTolerance = 0.1;
@@ -35,7 +33,7 @@ RelativeError relative_error(std::span<const PosePair> pairs, std::span<const do
   }
   if (total > 0.0) {
     result.translation_rmse = std::sqrt(translation / total);
-    result.rotation_rmse = kDegree * std::sqrt(rotation / total);
+    result.rotation_rmse = kDegPerRad * std::sqrt(rotation / total);
   }
   return result;
 }

@@ -28,12 +28,12 @@ void append_keys(const StudyMethod& method, std::vector<std::string>& keys) {
 }
 
 /// Paths of all that lies below `path`, blocks, list elements and keys.
-void append_paths(const config::Node& node, const std::string& path, std::set<std::string>& paths) {
+void append_value_paths(const config::Node& node, const std::string& path, std::set<std::string>& paths) {
   const auto append = [&](const std::string& name, const config::Node& below) {
     std::string at = path;
     if (!at.empty()) at += '.';
     at += name;
-    append_paths(below, at, paths);
+    append_value_paths(below, at, paths);
     paths.insert(std::move(at));
   };
   for (const config::Member& member : node.members()) append(member.key, member.value);
@@ -47,7 +47,7 @@ std::map<std::string, std::string> strange_keys(const std::vector<StudyMethod>& 
   std::set<std::string> left(names.begin(), names.end()), paths;
   // A study may have thousands of methods, and what it names stands in the first of them.
   for (std::size_t i = 0; i < methods.size() && !left.empty(); ++i) {
-    append_paths(config::parse_document(methods[i].resolved, "resolved"), "", paths);
+    append_value_paths(config::parse_document(methods[i].resolved, "resolved"), "", paths);
     std::erase_if(left, [&](const std::string& name) { return paths.contains(name); });
   }
   const std::vector<std::string> known(paths.begin(), paths.end());

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLargestArray = 1000;  // Slurm's MaxArraySize is 1001 unless a site raises it
-constexpr double kShow = 0.5;                // between reports of progress [s]
+constexpr double kShowQueue = 0.5;           // between reports of progress [s]
 constexpr int kLooksUntilLost = 2;           // without a trace: a shared disk shows files a little later
 
 /// First complaint in the log of a task.
@@ -169,7 +169,7 @@ class Cluster {
   }
 
   void show() {
-    if (std::chrono::duration<double>(Clock::now() - shown_).count() < kShow) return;
+    if (std::chrono::duration<double>(Clock::now() - shown_).count() < kShowQueue) return;
     shown_ = Clock::now();
     StudyProgress progress{.total = total_, .done = done_, .failed = failed_, .left_s = {}, .active = {}};
     const auto since = [](Clock::time_point then) {

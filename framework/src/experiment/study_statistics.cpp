@@ -27,7 +27,7 @@ double ratio_of(double value, double baseline) {
   return baseline == kFailedFigure ? 0 : value / baseline;
 }
 
-std::string text_of(const std::optional<double>& value) { return value ? fmt::to_string(*value) : std::string(); }
+std::string value_text(const std::optional<double>& value) { return value ? fmt::to_string(*value) : std::string(); }
 
 /// Digest of what a run came to; empty when there is nothing to compare.
 std::string digest_of(const std::optional<StudyRow>& row) {
@@ -169,19 +169,19 @@ std::string statistics_csv(const Study& study, const StudyFigures& figures) {
         if (r.values.empty()) continue;
         const auto interval = statistics::bootstrap_median(r.values);
         fmt::format_to(out, "{},{},{},,{},{},{},{},{},{},{},,,,,,,,,,\n", metric, figures.sequences()[s],
-                       study.methods[m].name, r.runs, r.failed, text_of(r.median()),
-                       text_of(statistics::quantile_of_sorted(r.values, 0.25)),
-                       text_of(statistics::quantile_of_sorted(r.values, 0.75)),
+                       study.methods[m].name, r.runs, r.failed, value_text(r.median()),
+                       value_text(statistics::quantile_of_sorted(r.values, 0.25)),
+                       value_text(statistics::quantile_of_sorted(r.values, 0.75)),
                        interval ? fmt::to_string(interval->low) : "", interval ? fmt::to_string(interval->high) : "");
       }
     }
     for (const Comparison& c : figures.comparisons(metric)) {
       fmt::format_to(
           out, "{},,{},{},{},{},{},,,{},{},{},{},{},{},{},{},{},{},{},{}\n", metric, study.methods[c.method].name,
-          study.methods[c.baseline].name, c.pairs.won + c.pairs.lost + c.pairs.tied, c.failed, text_of(c.ratio),
+          study.methods[c.baseline].name, c.pairs.won + c.pairs.lost + c.pairs.tied, c.failed, value_text(c.ratio),
           c.interval ? fmt::to_string(c.interval->low) : "", c.interval ? fmt::to_string(c.interval->high) : "",
           c.baseline_failed, c.pairs.won, c.pairs.lost, c.pairs.tied, c.sequences.won, c.sequences.lost,
-          c.sequences.tied, text_of(c.effect), text_of(c.p), text_of(c.p_holm));
+          c.sequences.tied, value_text(c.effect), value_text(c.p), value_text(c.p_holm));
     }
   }
   return text;

@@ -138,7 +138,7 @@ class Reader {
   std::map<std::size_t, std::size_t> left_;           ///< by method
 };
 
-std::string cell(const RunCounts& c) {
+std::string cell_text(const RunCounts& c) {
   std::string text = fmt::format("{}/{}", c.good + c.failed, c.all());
   if (c.running > 0) text += fmt::format(" {}r", c.running);
   if (c.failed > 0) text += fmt::format(" {}x", c.failed);
@@ -182,7 +182,7 @@ std::string to_text(const StudyStatus& s) {
   for (const std::string& sequence : s.sequences) first = std::max(first, sequence.size());
   for (std::size_t m = 0; m < s.methods.size(); ++m) {
     widths.push_back(s.methods[m].size());
-    for (const auto& cells : s.cells) widths[m] = std::max(widths[m], cell(cells[m]).size());
+    for (const auto& cells : s.cells) widths[m] = std::max(widths[m], cell_text(cells[m]).size());
   }
   std::string text = fmt::format("{:<{}}", "sequence", first);
   const auto out = std::back_inserter(text);
@@ -190,7 +190,8 @@ std::string to_text(const StudyStatus& s) {
   text += '\n';
   for (std::size_t q = 0; q < s.sequences.size(); ++q) {
     fmt::format_to(out, "{:<{}}", s.sequences[q], first);
-    for (std::size_t m = 0; m < s.methods.size(); ++m) fmt::format_to(out, "  {:<{}}", cell(s.cells[q][m]), widths[m]);
+    for (std::size_t m = 0; m < s.methods.size(); ++m)
+      fmt::format_to(out, "  {:<{}}", cell_text(s.cells[q][m]), widths[m]);
     text += '\n';
   }
   fmt::format_to(out, "\n{} runs: {} finished, {} failed, {} running, {} waiting; {}\n", s.total.all(), s.total.good,

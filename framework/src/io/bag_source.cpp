@@ -16,10 +16,8 @@ using rosbag::BagMessage;
 using rosbag::BagReader;
 using rosbag::Connection;
 
-constexpr TimeNs kJudgedSpan = 5 * kSecond;     ///< of IMU data; the norm of gravity is judged on the first second
-constexpr std::size_t kJudgedSamples = 20'000;  ///< at most
-constexpr std::size_t kJudgedMessages = 50;     ///< LiDAR messages looked at for one with returns
-constexpr TimeNs kSectionSlack = kSecond;       ///< messages may be recorded later than stamped
+constexpr std::size_t kJudgedMessages = 50;  ///< LiDAR messages looked at for one with returns
+constexpr TimeNs kSectionSlack = kSecond;    ///< messages may be recorded later than stamped
 
 std::string list_topics(const std::vector<Connection>& connections) {
   std::string text;
@@ -170,14 +168,14 @@ class BagSource final : public MeasurementSource {
     reader_.select(imu_ids_);
     BagMessage message;
     std::vector<ImuSample> samples;
-    while (samples.size() < kJudgedSamples && reader_.next(message)) {
+    while (samples.size() < kJudgedImuSamples && reader_.next(message)) {
       ImuSample sample;
       if (const std::string why = decode::decode_imu(message.bytes, sample); !why.empty()) {
         if (samples.empty()) throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where, why));
         continue;
       }
       samples.push_back(sample);
-      if (sample.t - samples.front().t > kJudgedSpan) break;
+      if (sample.t - samples.front().t > kJudgedImuSpan) break;
     }
     if (samples.empty()) fail_without(where, "IMU sample");
     units_ = decode::judge_imu_units(samples, sensor.acc_unit, sensor.gyro_unit, where);

@@ -17,9 +17,6 @@
 namespace aslio::io {
 namespace {
 
-constexpr TimeNs kJudgedSpan = 5 * kSecond;
-constexpr std::size_t kJudgedSamples = 20'000;
-
 /// One topic of a bag while it is read.
 class TopicProbe {
  public:
@@ -62,7 +59,7 @@ class TopicProbe {
       return;
     }
     gyro_range_.add(sample.gyro);
-    if (samples_.size() < kJudgedSamples && (samples_.empty() || sample.t - samples_.front().t <= kJudgedSpan)) {
+    if (samples_.size() < kJudgedImuSamples && (samples_.empty() || sample.t - samples_.front().t <= kJudgedImuSpan)) {
       samples_.push_back(sample);
     }
   }

@@ -13,7 +13,7 @@ namespace aslio::io {
 namespace {
 
 /// Shortest text that reads back to the same double.
-std::string number(double value) { return fmt::format("{}", value); }
+std::string shortest(double value) { return fmt::format("{}", value); }
 
 std::string seconds(TimeNs t) {
   // As integers: a double holds an epoch to 240 ns only.
@@ -105,15 +105,16 @@ std::string tum_line(const StampedPose& pose) {
   q.normalize();
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   std::string line = seconds(pose.t);
-  for (const double v : {pose.T.p.x(), pose.T.p.y(), pose.T.p.z(), q.x(), q.y(), q.z(), q.w()}) line += ' ' + number(v);
+  for (const double v : {pose.T.p.x(), pose.T.p.y(), pose.T.p.z(), q.x(), q.y(), q.z(), q.w()})
+    line += ' ' + shortest(v);
   return line + '\n';
 }
 
 std::string kitti_line(const Pose& pose) {
   std::string line;
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) line += number(pose.R(row, column)) + ' ';
-    line += number(pose.p[row]) + (row < 2 ? ' ' : '\n');
+    for (int column = 0; column < 3; ++column) line += shortest(pose.R(row, column)) + ' ';
+    line += shortest(pose.p[row]) + (row < 2 ? ' ' : '\n');
   }
   return line;
 }

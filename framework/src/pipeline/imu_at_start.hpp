@@ -7,8 +7,6 @@
 
 namespace aslio::pipeline {
 
-inline constexpr double kRadPerDegree = 0.017453292519943295;
-
 struct Averages {
   std::size_t n = 0;
   Vec3 gyro = Vec3::Zero(), acc = Vec3::Zero();

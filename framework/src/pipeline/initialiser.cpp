@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "aslio/config/binder.hpp"
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/spread.hpp"
 #include "imu_at_start.hpp"
@@ -104,7 +105,7 @@ Initialisation start_of(std::span<const ImuSample> used, const Averages& mean, b
     initial.sigma_tilt = 0.02;
   } else {
     initial.mode = InitialMode::dynamic_start;
-    initial.sigma_tilt = 10.0 * kRadPerDegree;
+    initial.sigma_tilt = 10.0 * kRadPerDeg;
     initial.sigma_gyro_bias = 0.02;
     initial.sigma_velocity = 3.0;
   }

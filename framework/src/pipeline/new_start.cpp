@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "aslio/core/angles.hpp"
 #include "imu_at_start.hpp"
 #include "imu_gap.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 /// A position that was dead-reckoned for longer is worth less than none [s].
 constexpr double kReckonedPosition = 10.0;
 /// An acceleration turns the mean specific force by no more than this from the vertical [rad].
-constexpr double kMostTilt = 20.0 * kRadPerDegree;
+constexpr double kMostTilt = 20.0 * kRadPerDeg;
 
 /// A sensor that is dead-reckoned to be faster than this after `blind` [s] is not at rest, however quiet its IMU: it
 /// may go at an even speed [m/s].
@@ -33,7 +34,7 @@ void recall(InitialState& start, const NavState& reckoned, double blind) {
   start.state.t = t;
   start.state.p = p;
   start.sigma_velocity = std::min(start.sigma_velocity, 0.3 + 0.1 * blind);
-  start.sigma_tilt = std::min(start.sigma_tilt, (1.0 + 0.1 * blind) * kRadPerDegree);
+  start.sigma_tilt = std::min(start.sigma_tilt, (1.0 + 0.1 * blind) * kRadPerDeg);
   start.sigma_gyro_bias = std::min(start.sigma_gyro_bias, 0.005);
 }
 

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/markup.hpp"
 #include "aslio/evaluation/evaluation.hpp"
@@ -32,8 +32,6 @@ constexpr double kErrorUnit = 1e-4;      // [m]
 constexpr double kPathTolerance = 4e-3;  // [m]; with the rounding of the positions within 5 mm
 constexpr double kTolerance = 3e-3;      // of a channel's range
 constexpr double kValueUnit = 2e-3;      // of a channel's range: with the tolerance within 0.4 %
-constexpr double kDegree = 180.0 / std::numbers::pi;
-
 /// Values over time with what is missing left out.
 struct Channel {
   std::vector<double> t, values;
@@ -177,7 +175,7 @@ void put_telemetry(Json& json, const fs::path& file, TimeNs origin, std::vector<
   Json& channels = json["channels"];
   put(channels, "sod", channel_of(*columns, "sod", origin));
   put(channels, "rate_hz", rate_of(*columns, origin));
-  put(channels, "gyro_deg_s", channel_of(*columns, "gyro_rms_rad_s", origin, kDegree));
+  put(channels, "gyro_deg_s", channel_of(*columns, "gyro_rms_rad_s", origin, kDegPerRad));
   put(channels, "matches", channel_of(*columns, "n_matches", origin));
   put(channels, "residual_cm", channel_of(*columns, "residual_rms_m", origin, 100));
   put(channels, "weakest", channel_of(*columns, "eig_1", origin));

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "decode.hpp"
 #include "wire.hpp"
 
 namespace aslio::io::decode {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Vec3 vector(Wire& wire) {
   Vec3 v;
@@ -82,7 +80,7 @@ void judge_gyro(std::span<const ImuSample> samples, GyroUnit declared, const std
                     where, too_fast, kFastestGyro, fastest));
   }
   const bool in_degrees = declared == GyroUnit::deg_s || (declared == GyroUnit::automatic && degrees);
-  units.gyro = in_degrees ? kDegree : 1.0;
+  units.gyro = in_degrees ? kRadPerDeg : 1.0;
   units.verdicts.push_back(fmt::format("imu angular rate: {} ({}; fastest {:.3f} at the start){}",
                                        in_degrees ? "deg/s" : "rad/s",
                                        declared != GyroUnit::automatic ? "declared"
@@ -116,7 +114,7 @@ void GyroRange::add(const Vec3& gyro) {
   if (!std::isfinite(rate)) return;
   fastest_ = std::max(fastest_, rate);
   too_fast_ += rate > kFastestGyro ? 1 : 0;
-  too_fast_in_degrees_ += rate * kDegree > kFastestGyro ? 1 : 0;
+  too_fast_in_degrees_ += rate * kRadPerDeg > kFastestGyro ? 1 : 0;
   latest_[count_++ % latest_.size()] = rate;
   if (count_ >= latest_.size()) fastest_sustained_ = std::max(fastest_sustained_, median_of_latest());
 }
@@ -149,7 +147,7 @@ std::string GyroRange::doubt(GyroUnit declared) const {
       "gyro_unit is deg_s, but nothing in all that was read, spikes aside, turns faster than {:.3f} deg/s; taken as "
       "rad/s that is a usual motion of up to {:.0f} deg/s: if the data are in rad/s (a factor of pi/180) "
       "set `gyro_unit: rad_s` or `auto`",
-      fastest, fastest / kDegree);
+      fastest, fastest / kRadPerDeg);
 }
 
 ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where) {

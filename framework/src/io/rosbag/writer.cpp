@@ -13,7 +13,7 @@
 namespace aslio::io::rosbag {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using Buffer = std::vector<std::uint8_t>;
 
 struct WrittenConnection {
   std::string topic, type, md5, definition;
@@ -32,36 +32,36 @@ struct WrittenChunk {
 };
 
 template <class T>
-void field(Bytes& header, std::string_view name, const T& value) {
+void field(Buffer& header, std::string_view name, const T& value) {
   append(header, static_cast<std::uint32_t>(name.size() + 1 + sizeof(T)));
   append_text(header, name);
   header.push_back('=');
   append(header, value);
 }
 
-void text_field(Bytes& header, std::string_view name, std::string_view value) {
+void text_field(Buffer& header, std::string_view name, std::string_view value) {
   append(header, static_cast<std::uint32_t>(name.size() + 1 + value.size()));
   append_text(header, name);
   header.push_back('=');
   append_text(header, value);
 }
 
-void time_field(Bytes& header, std::string_view name, TimeNs t) {
+void time_field(Buffer& header, std::string_view name, TimeNs t) {
   append(header, static_cast<std::uint32_t>(name.size() + 1 + 8));
   append_text(header, name);
   header.push_back('=');
   append_time(header, t);
 }
 
-void append_record(Bytes& out, const Bytes& header, std::span<const std::uint8_t> data) {
+void append_record(Buffer& out, const Buffer& header, std::span<const std::uint8_t> data) {
   append(out, static_cast<std::uint32_t>(header.size()));
   out.insert(out.end(), header.begin(), header.end());
   append(out, static_cast<std::uint32_t>(data.size()));
   out.insert(out.end(), data.begin(), data.end());
 }
 
-Bytes connection_record(std::uint32_t id, const WrittenConnection& connection) {
-  Bytes header, data, record;
+Buffer connection_record(std::uint32_t id, const WrittenConnection& connection) {
+  Buffer header, data, record;
   field(header, "op", Op::connection);
   field(header, "conn", id);
   text_field(header, "topic", connection.topic);
@@ -73,30 +73,30 @@ Bytes connection_record(std::uint32_t id, const WrittenConnection& connection) {
   return record;
 }
 
-Bytes file_header(std::uint64_t index_position, std::size_t connections, std::size_t chunks) {
-  Bytes header, record;
+Buffer file_header(std::uint64_t index_position, std::size_t connections, std::size_t chunks) {
+  Buffer header, record;
   field(header, "op", Op::bag_header);
   field(header, "index_pos", index_position);
   field(header, "conn_count", static_cast<std::uint32_t>(connections));
   field(header, "chunk_count", static_cast<std::uint32_t>(chunks));
-  append_record(record, header, Bytes(kFileHeaderBytes - 8 - header.size(), ' '));
+  append_record(record, header, Buffer(kFileHeaderBytes - 8 - header.size(), ' '));
   return record;
 }
 
-Bytes compress_lz4(const Bytes& raw) {
+Buffer compress_lz4(const Buffer& raw) {
   LZ4F_preferences_t preferences{};
   // What roslz4 insists on: independent blocks, no block checksums, no content size.
   preferences.frameInfo.blockMode = LZ4F_blockIndependent;
   preferences.frameInfo.blockSizeID = LZ4F_max4MB;
   preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
-  Bytes out(LZ4F_compressFrameBound(raw.size(), &preferences));
+  Buffer out(LZ4F_compressFrameBound(raw.size(), &preferences));
   const std::size_t size = LZ4F_compressFrame(out.data(), out.size(), raw.data(), raw.size(), &preferences);
   if (LZ4F_isError(size)) throw DataError(fmt::format("lz4: {}", LZ4F_getErrorName(size)));
   out.resize(size);
   return out;
 }
 
-std::string_view as_text(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string_view as_text(const Buffer& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 }  // namespace
 
@@ -105,9 +105,9 @@ struct BagWriter::Impl {
   WriterOptions options;
   std::vector<WrittenConnection> connections;
   std::vector<WrittenChunk> chunks;
-  Bytes chunk;  ///< open chunk, uncompressed
+  Buffer chunk;  ///< open chunk, uncompressed
   std::map<std::uint32_t, std::vector<IndexEntry>> index;
-  Bytes scratch;
+  Buffer scratch;
 
   Impl(const std::filesystem::path& path, WriterOptions opts) : file(path, true), options(opts) {
     file.write(kMagic);
@@ -118,13 +118,13 @@ struct BagWriter::Impl {
     if (chunk.empty()) return;
     WrittenChunk info{file.position(), kTimeMax, kTimeMin, {}};
     const bool lz4 = options.compression == Compression::lz4;
-    Bytes header, record;
+    Buffer header, record;
     field(header, "op", Op::chunk);
     text_field(header, "compression", lz4 ? "lz4" : "none");
     field(header, "size", static_cast<std::uint32_t>(chunk.size()));
     append_record(record, header, lz4 ? compress_lz4(chunk) : chunk);
     for (const auto& [id, entries] : index) {
-      Bytes index_header, data;
+      Buffer index_header, data;
       field(index_header, "op", Op::index_data);
       field(index_header, "ver", std::uint32_t{1});
       field(index_header, "conn", id);
@@ -150,7 +150,7 @@ struct BagWriter::Impl {
       file.write(as_text(connection_record(static_cast<std::uint32_t>(id), connections[id])));
     }
     for (const WrittenChunk& info : chunks) {
-      Bytes header, data, record;
+      Buffer header, data, record;
       field(header, "op", Op::chunk_info);
       field(header, "ver", std::uint32_t{1});
       field(header, "chunk_pos", info.position);
@@ -189,12 +189,12 @@ void BagWriter::write(std::uint32_t connection, TimeNs time, std::span<const std
   }
   WrittenConnection& written = w.connections[connection];
   if (!written.in_chunk) {
-    const Bytes record = connection_record(connection, written);
+    const Buffer record = connection_record(connection, written);
     w.chunk.insert(w.chunk.end(), record.begin(), record.end());
     written.in_chunk = true;
   }
   w.index[connection].push_back({time, static_cast<std::uint32_t>(w.chunk.size())});
-  Bytes& header = w.scratch;
+  Buffer& header = w.scratch;
   header.clear();
   field(header, "op", Op::message);
   field(header, "conn", connection);
