@@ -13,11 +13,11 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct CheckArguments {
   std::vector<std::string> files, plugins;
 };
 
-int check(const Arguments& a) {
+int check(const CheckArguments& a) {
   const Stages stages = load_stages(a.plugins);
   int code = kSuccess;
   for (const std::string& file : a.files) {
@@ -41,7 +41,7 @@ int check(const Arguments& a) {
 Command add_check(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "check", "Checks pipeline, sensor, dataset, scene and study files and tells all that is wrong.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CheckArguments>();
   app->add_option("FILE", arguments->files, "files to check")->required();
   add_plugin_option(*app, arguments->plugins);
   app->footer(

@@ -20,7 +20,7 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct DescribeArguments {
   std::string what;
   std::vector<std::string> plugins;
   bool markdown = false;
@@ -91,7 +91,7 @@ std::string describe_file(const plugin::Catalog& catalog, const File& file, bool
   return text;
 }
 
-int describe(const Arguments& a) {
+int describe(const DescribeArguments& a) {
   const Stages stages = load_stages(a.plugins);
   const auto file = std::find_if(kFiles.begin(), kFiles.end(), [&](const File& f) { return f.kind == a.what; });
   if (file != kFiles.end()) {
@@ -118,7 +118,7 @@ int describe(const Arguments& a) {
 Command add_describe(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "describe", "Tells the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DescribeArguments>();
   app->add_option("FAMILY/TYPE", arguments->what, "the stage, or the file: pipeline, sensor, dataset, scene, study");
   app->add_flag("--markdown", arguments->markdown, "as Markdown: the keys of a file, or of all stages");
   add_plugin_option(*app, arguments->plugins);

@@ -14,12 +14,12 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct DiffArguments {
   std::string a, b;
   std::vector<std::string> plugins;
 };
 
-int diff(const Arguments& arguments) {
+int diff(const DiffArguments& arguments) {
   const Stages stages = load_stages(arguments.plugins);
   const CheckedFile a = read_checked(arguments.a, stages.catalog), b = read_checked(arguments.b, stages.catalog);
   if (a.kind != b.kind) {
@@ -36,7 +36,7 @@ int diff(const Arguments& arguments) {
 Command add_diff(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "diff", "Tells how two files differ in meaning; spelling, order and omitted defaults do not count.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DiffArguments>();
   app->add_option("A", arguments->a, "a file")->required();
   app->add_option("B", arguments->b, "another of the same kind")->required();
   add_plugin_option(*app, arguments->plugins);

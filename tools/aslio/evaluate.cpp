@@ -14,7 +14,7 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct EvaluateArguments {
   std::string estimate, reference, alignment = "se3";
   bool json = false, evo = false;
 };
@@ -24,7 +24,7 @@ evaluation::Alignment alignment_of(const std::string& name) {
   return name == "yaw" ? evaluation::Alignment::yaw : evaluation::Alignment::se3;
 }
 
-int evaluate(const Arguments& a) {
+int evaluate(const EvaluateArguments& a) {
   const Trajectory estimate(io::read_tum(a.estimate)), reference(io::read_tum(a.reference));
   const auto rule = a.evo ? evaluation::Rule::evo : evaluation::Rule::interpolated;
   auto options = experiment::measuring_options(reference, rule);
@@ -38,7 +38,7 @@ int evaluate(const Arguments& a) {
 
 Command add_evaluate(CLI::App& root) {
   CLI::App* app = root.add_subcommand("evaluate", "Measures a trajectory against a reference.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvaluateArguments>();
   app->add_option("ESTIMATE", arguments->estimate, "trajectory (TUM)")->required()->check(CLI::ExistingFile);
   app->add_option("--reference", arguments->reference, "reference trajectory (TUM)")
       ->required()

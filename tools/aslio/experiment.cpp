@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct ExperimentArguments {
   std::string study, output, data, only, seeds, recording;
   std::vector<std::string> plugins, sbatch;
   std::string executor = "local";
@@ -82,7 +82,7 @@ void print_expectation(const experiment::Study& study, const experiment::StudyRe
 }
 
 int report(const experiment::Study& study, StudyDisplay& display, const experiment::StudyResult& result,
-           const Arguments& a) {
+           const ExperimentArguments& a) {
   display.clear();
   if (result.interrupted) {
     complain(fmt::format("interrupted: the same command goes on where {} stops{}", a.output,
@@ -116,7 +116,7 @@ std::string recording_of(const experiment::Study& study, const std::string& name
 }
 
 /// This command for one recording, whose name is still missing, from any folder.
-std::vector<std::string> command_of(const Arguments& a) {
+std::vector<std::string> command_of(const ExperimentArguments& a) {
   const auto whole = [](const std::string& path) { return fs::absolute(path).lexically_normal().string(); };
   std::vector<std::string> words = {fs::read_symlink("/proc/self/exe").string(),
                                     "experiment",
@@ -158,7 +158,7 @@ void require_folder(const char* option, const std::string& path) {
   }
 }
 
-int run_experiment(const Arguments& a) {
+int run_experiment(const ExperimentArguments& a) {
   catch_interrupts();
   require_folder("--output", a.output);
   if (!a.data.empty()) require_folder("--data", a.data);
@@ -192,7 +192,7 @@ int run_experiment(const Arguments& a) {
   return report(study, display, experiment::run_study_on_slurm(study, options, slurm, display), a);
 }
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(CLI::App& app, ExperimentArguments& a) {
   app.add_option("STUDY", a.study, "study file (schema: aslio/study/1)")->required()->check(CLI::ExistingFile);
   app.add_option("--output", a.output, "folder for runs and tables; what is finished there is not repeated")
       ->required();
@@ -232,7 +232,7 @@ void add_options(CLI::App& app, Arguments& a) {
 
 Command add_experiment(CLI::App& root) {
   CLI::App* app = root.add_subcommand("experiment", "Runs a study: methods over data, with tables of the outcome.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ExperimentArguments>();
   add_options(*app, *arguments);
   app->footer(
       "Every run is a process of its own: one that crashes or hangs is a row of the table with its reason.\n\n"

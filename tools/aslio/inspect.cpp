@@ -13,11 +13,11 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct InspectArguments {
   std::string path, sensor;
 };
 
-int inspect(const Arguments& a) {
+int inspect(const InspectArguments& a) {
   io::SensorConfig sensor;
   if (!a.sensor.empty()) {
     sensor = config::load<io::SensorConfig>(a.sensor, config::FileKind::sensor, load_stages({}).catalog).value;
@@ -33,7 +33,7 @@ int inspect(const Arguments& a) {
 Command add_inspect(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "inspect", "Reads a whole recording and tells topics, rates, gaps, units and what is known of point times.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<InspectArguments>();
   app->add_option("PATH", arguments->path, "ROS1 bag, or KITTI raw drive folder")->required()->check(CLI::ExistingPath);
   app->add_option("--sensor", arguments->sensor, "judge as a run with this sensor file would")
       ->check(CLI::ExistingFile);

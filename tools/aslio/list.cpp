@@ -13,7 +13,7 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct ListArguments {
   std::string family;
   std::vector<std::string> plugins;
 };
@@ -29,7 +29,7 @@ std::string family_text(const plugin::Catalog& catalog, const std::string& famil
   return text;
 }
 
-int list(const Arguments& a) {
+int list(const ListArguments& a) {
   const Stages stages = load_stages(a.plugins);
   std::vector<std::string> families = stages.catalog.families();
   if (!a.family.empty()) {
@@ -46,7 +46,7 @@ int list(const Arguments& a) {
 
 Command add_list(CLI::App& root) {
   CLI::App* app = root.add_subcommand("list", "Lists the stages there are.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ListArguments>();
   app->add_option("FAMILY", arguments->family, "only this family");
   add_plugin_option(*app, arguments->plugins);
   app->footer("Example:\n  aslio list windows");

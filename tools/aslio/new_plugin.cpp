@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestName = 40;
 
-struct Arguments {
+struct NewPluginArguments {
   std::string stage, directory;
 };
 
@@ -166,7 +166,7 @@ fs::path new_folder(const std::string& directory) {
   return folder;
 }
 
-int new_plugin(const Arguments& a) {
+int new_plugin(const NewPluginArguments& a) {
   const Names names = names_of(a.stage, load_stages({}).catalog);
   const fs::path folder = new_folder(a.directory);
   const fs::path templates = data_path("templates/plugin");
@@ -195,7 +195,7 @@ int new_plugin(const Arguments& a) {
 Command add_new_plugin(CLI::App& root) {
   CLI::App* app = root.add_subcommand("new-plugin",
                                       "Writes a project for a stage of your own: source, build, contract test, study.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<NewPluginArguments>();
   app->add_option("FAMILY/NAME", arguments->stage, "what to write, for example windows/my_window")->required();
   app->add_option("DIR", arguments->directory, "the folder to make; it may not exist")->required();
   app->footer("Example:\n  aslio new-plugin windows/my_window my_window");

@@ -18,7 +18,7 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct OverlapArguments {
   std::string pipeline, trajectory, output;
   RecordingArguments recording;
   std::vector<std::string> overrides, plugins;
@@ -27,7 +27,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-experiment::OverlapSeriesOptions options_of(const Arguments& a, const CLI::App& app) {
+experiment::OverlapSeriesOptions options_of(const OverlapArguments& a, const CLI::App& app) {
   const Recording recording = find_recording(a.recording, app);
   experiment::OverlapSeriesOptions options;
   options.pipeline = a.pipeline;
@@ -61,7 +61,7 @@ struct Means {
   }
 };
 
-std::string report(const Arguments& a, const experiment::OverlapSeriesEnd& end, const Means& means) {
+std::string report(const OverlapArguments& a, const experiment::OverlapSeriesEnd& end, const Means& means) {
   std::string text =
       fmt::format("frames       {} of {:g} s, {} with points at a pose", end.frames, a.period, end.scored);
   if (end.points_without_pose > 0) text += fmt::format("; {} points have no pose", end.points_without_pose);
@@ -84,7 +84,7 @@ void refuse_to_overwrite(const experiment::OverlapSeriesOptions& options, const 
   }
 }
 
-int score(const Arguments& a, const CLI::App& app) {
+int score(const OverlapArguments& a, const CLI::App& app) {
   catch_interrupts();
   const Stages stages = load_stages(a.plugins);
   const auto options = options_of(a, app);
@@ -106,7 +106,7 @@ int score(const Arguments& a, const CLI::App& app) {
   return end.truncated ? kBadData : kSuccess;
 }
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(CLI::App& app, OverlapArguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1), whose overlap is meant")
       ->required()
       ->check(CLI::ExistingFile);
@@ -136,7 +136,7 @@ void add_options(CLI::App& app, Arguments& a) {
 Command add_overlap(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "overlap", "Scores a recording with the overlap metric of a pipeline, at the poses of a trajectory.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<OverlapArguments>();
   add_options(*app, *arguments);
   app->footer(
       "Example:\n"

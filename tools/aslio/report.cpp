@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMegabyte = 1e6;
 
-struct Arguments {
+struct ReportArguments {
   std::string folder, output;
   std::vector<std::string> formats{"html"};
   double limit_mb = 25;
@@ -33,7 +33,7 @@ struct Arguments {
 fs::path bundle_folder() { return fs::canonical("/proc/self/exe").parent_path() / "../share/aslio/report"; }
 
 /// `unreadable`: what of the runs' files could not be read is added.
-std::string text_of(const report::StudyFolder& study, const std::string& format, const Arguments& a,
+std::string text_of(const report::StudyFolder& study, const std::string& format, const ReportArguments& a,
                     std::vector<std::string>& unreadable) {
   if (format == "md") return report::to_markdown(study);
   if (format == "tex") return report::to_latex(study);
@@ -70,7 +70,7 @@ void open_file(const fs::path& file) {
   }
 }
 
-int make_report(const Arguments& a) {
+int make_report(const ReportArguments& a) {
   std::vector<std::string> formats = a.formats;
   std::sort(formats.begin(), formats.end());
   formats.erase(std::unique(formats.begin(), formats.end()), formats.end());
@@ -101,7 +101,7 @@ int make_report(const Arguments& a) {
 
 Command add_report(CLI::App& root) {
   CLI::App* app = root.add_subcommand("report", "Shows what a study, or a run, has come to: a page, or tables.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ReportArguments>();
   app->add_option("DIR", a->folder, "output folder of `aslio experiment`, or of `aslio run`")
       ->required()
       ->check(CLI::ExistingDirectory);

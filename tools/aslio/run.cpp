@@ -20,7 +20,7 @@ namespace aslio::cli {
 
 namespace {
 
-struct Arguments {
+struct RunArguments {
   std::string pipeline, output, reference, save_map;
   RecordingArguments recording;
   std::vector<std::string> overrides, plugins;
@@ -83,7 +83,7 @@ std::string report(const experiment::Summary& s, const std::string& output) {
   return text;
 }
 
-experiment::RunOptions options_of(const Arguments& a, const Stages& stages, const CLI::App& app,
+experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, const CLI::App& app,
                                   const std::vector<std::string>& command_line) {
   const Recording recording = find_recording(a.recording, app);
   experiment::RunOptions options;
@@ -106,7 +106,7 @@ experiment::RunOptions options_of(const Arguments& a, const Stages& stages, cons
   return options;
 }
 
-int run_pipeline(const Arguments& a, const CLI::App& app, const std::vector<std::string>& command_line) {
+int run_pipeline(const RunArguments& a, const CLI::App& app, const std::vector<std::string>& command_line) {
   catch_interrupts();
   const Stages stages = load_stages(a.plugins);
   ProgressDisplay display(a.quiet, stderr_is_terminal());
@@ -128,7 +128,7 @@ int run_pipeline(const Arguments& a, const CLI::App& app, const std::vector<std:
   return code;
 }
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1)")
       ->required()
       ->check(CLI::ExistingFile);
@@ -163,7 +163,7 @@ void add_options(CLI::App& app, Arguments& a) {
 
 Command add_run(CLI::App& root, const std::vector<std::string>& command_line) {
   CLI::App* app = root.add_subcommand("run", "Runs a pipeline over a recording.");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<RunArguments>();
   add_options(*app, *arguments);
   app->footer(
       "Writes trajectory.tum, trajectory_lidar.tum, updates.csv, timings.csv, summary.json, resolved.yaml and "

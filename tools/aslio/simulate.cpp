@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-struct Arguments {
+struct SimulateArguments {
   std::string scene, output, sensor, world;
   std::vector<std::string> overrides;
   int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
@@ -45,7 +45,8 @@ constexpr std::array<std::string_view, 7> kFiles = {"truth.tum",  "truth.csv",  
                                                     "scene.yaml", "preview.svg", "dataset.yaml"};
 
 /// Throws ConfigError when a file of the recording would replace one that is read.
-void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const Arguments& a, const std::string& name) {
+void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const SimulateArguments& a,
+                                const std::string& name) {
   const fs::path folder = a.output;
   const fs::path beside = scene.path.parent_path();
   std::vector<fs::path> inputs = {scene.path};
@@ -112,7 +113,7 @@ class Monitor {
   double shown_s_ = -1;
 };
 
-std::string report(const simulator::RecordResult& r, const Arguments& a, const std::string& name) {
+std::string recording_report(const simulator::RecordResult& r, const SimulateArguments& a, const std::string& name) {
   std::error_code ignored;
   const double megabytes = 1e-6 * static_cast<double>(fs::file_size(fs::path(a.output) / (name + ".bag"), ignored));
   std::string text = fmt::format("duration     {:.2f} s, path {:.2f} m\n", r.data_s, r.path_length_m);
@@ -134,7 +135,7 @@ int stopped(const std::string& output) {
   return kInterrupted;
 }
 
-int simulate(const Arguments& a) {
+int simulate(const SimulateArguments& a) {
   catch_interrupts();
   const simulator::SceneFile scene = simulator::load_scene(a.scene, a.overrides);
   const std::string name = scene.path.stem().string();
@@ -157,7 +158,7 @@ int simulate(const Arguments& a) {
       simulator::record(simulation, scene, {a.output, a.threads, !a.no_compression, name}, std::ref(monitor), result);
   monitor.clear();
   if (!whole) return stopped(a.output);
-  if (!a.quiet) print(report(result, a, name));
+  if (!a.quiet) print(recording_report(result, a, name));
   return kSuccess;
 }
 
@@ -171,7 +172,7 @@ std::vector<std::string> sensor_names() {
   return names;
 }
 
-void add_options(CLI::App& app, Arguments& a) {
+void add_simulate_options(CLI::App& app, SimulateArguments& a) {
   app.add_option("SCENE", a.scene, "scene file (schema: aslio/scene/1)")->required()->check(CLI::ExistingFile);
   app.add_option("--output", a.output, "folder for the recording; files of an earlier one are replaced")->required();
   app.add_option("--seed", a.seed, "of noise, biases, people, turn times and gait; the world has a seed of its own")
@@ -197,8 +198,8 @@ void add_options(CLI::App& app, Arguments& a) {
 
 Command add_simulate(CLI::App& root) {
   CLI::App* app = root.add_subcommand("simulate", "Simulates a recording with known truth from a scene file.");
-  auto arguments = std::make_shared<Arguments>();
-  add_options(*app, *arguments);
+  auto arguments = std::make_shared<SimulateArguments>();
+  add_simulate_options(*app, *arguments);
   app->footer(
       "Writes <scene>.bag, truth.tum, truth.csv, overlap.csv, sensor.yaml, scene.yaml, preview.svg and, last, "
       "dataset.yaml, which `aslio run --dataset` takes.\n\n"

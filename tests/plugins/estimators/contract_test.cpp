@@ -9,8 +9,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 std::vector<std::string> estimators() { return under_test(stages_under_test(), Estimator::family); }
 
 Filter made(const std::string& type) { return Filter({"estimator=" + type}); }

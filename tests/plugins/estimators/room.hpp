@@ -10,6 +10,7 @@
 namespace aslio::test {
 
 inline constexpr TimeNs kRoomEpoch = 1'700'000'000 * kSecond;
+inline constexpr TimeNs kTenth = kSecond / 10;
 
 /// Distance from `origin` along `direction` to the walls of the room [-4, 4] x [-3, 3] x [-1.5, 1.5].
 inline double wall_distance(const Vec3& origin, const Vec3& direction) {

@@ -10,7 +10,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
 const std::string kLidar = "estimator={type: ct_icp, prediction: constant_velocity}";
 const std::string kImu = "estimator={type: ct_icp, prediction: imu}";
 

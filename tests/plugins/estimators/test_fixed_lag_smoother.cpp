@@ -10,8 +10,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 std::string smoother(const std::string& keys) { return "estimator={type: fixed_lag_smoother" + keys + "}"; }
 
 }  // namespace

@@ -10,7 +10,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr int kGravity = 15;  // first row of its block
 

@@ -9,8 +9,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 double turn(const Pose& a, const Pose& b) { return log_so3(a.R.transpose() * b.R).norm(); }
 
 }  // namespace

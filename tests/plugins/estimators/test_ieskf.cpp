@@ -12,8 +12,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 std::vector<HistoryPoint> old_points(int count) {
   std::vector<HistoryPoint> out;
   for (const WorldPoint& p : wall_points(count)) {

@@ -13,8 +13,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 /// The state after 3 s at rest in a room that is known, begun with the gravity `g`.
 struct AtRest {
   AtRest(const std::string& variant, const Vec3& g, bool imu_is_known)

@@ -9,8 +9,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 /// The covariance over a window of 0.1 s in which nothing is seen, and which reaches into a gap of the IMU [ns].
 StateMatrix predicted(const std::string& estimator, TimeNs gap) {
   Filter filter({"estimator=" + estimator}, 0.01, true);

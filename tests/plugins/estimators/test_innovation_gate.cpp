@@ -8,7 +8,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
 const std::vector<std::string> kUngated = {"estimator.sigma=0.02"};
 const std::vector<std::string> kGated = {"estimator.sigma=0.02", "estimator.innovation_gate=3"};
 

@@ -15,8 +15,6 @@ namespace pw = aslio::plugins::pointwise;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 Vec3 some(std::mt19937_64& engine, double size) {
   const auto one = [&] { return size * (2.0 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1.0); };
   const double x = one(), y = one();

@@ -16,7 +16,6 @@ using plugins::SweepIndex;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
 constexpr int kRings = 16, kColumns = 720;
 
 double turn(const Pose& a, const Pose& b) { return log_so3(a.R.transpose() * b.R).norm(); }

@@ -8,8 +8,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
-
 /// Information of the least known direction after one update of `points` over `length`.
 double least_known(const std::string& plane_sigma, TimeNs length, int points, const std::string& shared_time = "0.1") {
   const std::string residual = "{type: point_to_plane, planes: map, plane_sigma: " + plane_sigma + "}";

@@ -12,7 +12,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr TimeNs kTenth = kSecond / 10;
 const std::string kSmoother = "estimator={type: smoother, noise: physical}";
 
 double off_the_path(const Update& update, const TurningRoom& motion, const WindowPlan& plan) {
