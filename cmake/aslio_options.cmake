@@ -2,6 +2,7 @@
 option(ASLIO_BUILD_TESTS "Build the tests" ON)
 option(ASLIO_WERROR "Warnings are errors" OFF)
 option(ASLIO_NATIVE "Generate code for this machine's CPU (not for binaries that travel)" OFF)
+option(ASLIO_UNITY "Compile several sources at once: half the time for a first build, more for one after a change to a single file" ON)
 option(ASLIO_REPRODUCIBLE "No fused multiply-add by contraction: the same bits on every machine of one ASLIO_ARCH" OFF)
 set(ASLIO_ARCH "" CACHE STRING "Value of -march, for example x86-64-v3; empty: the compiler's default")
 set(ASLIO_EXEC_BACKEND threads CACHE STRING "Thread backend of exec: threads (sleeps when idle) or openmp (spins unless OMP_WAIT_POLICY=passive)")
@@ -74,6 +75,19 @@ set(ASLIO_COMPILER_TEXT "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
 
 include(CheckPIESupported)
 check_pie_supported()
+
+# aslio_unity(TARGET [APART REGEX]): its sources are compiled eight at a time, as one that includes them; those whose path
+# matches, each by itself. Most of what a compiler does for one of ours is to read the standard library and Eigen.
+# Apart is what computes a pose: how it is rounded must not depend on which files are neighbours.
+function(aslio_unity target)
+  cmake_parse_arguments(ARG "" "APART" "" ${ARGN})
+  if(ARG_APART)
+    get_target_property(apart ${target} SOURCES)
+    list(FILTER apart INCLUDE REGEX "${ARG_APART}")
+    set_source_files_properties(${apart} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${ASLIO_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)

@@ -23,16 +23,23 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def sources(build, parts):
-    """(path relative to the root, compile command) of each source of ours, in order of path."""
-    commands = json.loads((build / "compile_commands.json").read_text())
-    found = {}
-    for entry in commands:
+    """Batches of our sources that are compiled together: lists of (path relative to the root, a compile command of its own)."""
+    batches, seen = [], set()
+    for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["directory"], entry["file"]).resolve()
-        if path.is_relative_to(ROOT) and not path.is_relative_to(build):
-            name = path.relative_to(ROOT).as_posix()
-            if name.startswith(ROOMS) and (not parts or any(part in name for part in parts)):
-                found.setdefault(name, entry["command"])
-    return sorted(found.items())
+        together = path.is_relative_to(build) and path.parent.name == "Unity"  # CMake's, which includes ours
+        batch = []
+        for member in INCLUDE.findall(path.read_text(encoding="utf-8")) if together else [str(path)]:
+            file = pathlib.Path(member)
+            name = file.relative_to(ROOT).as_posix() if file.is_relative_to(ROOT) else ""
+            if name.startswith(ROOMS) and name not in seen and (not parts or any(part in name for part in parts)):
+                seen.add(name)
+                # Without its output, which tells what else was compiled with it.
+                command = re.sub(r" -o \S+", "", entry["command"])
+                batch.append((name, command.replace(str(path), member)))
+        if batch:
+            batches.append(batch)
+    return sorted(batches)
 
 
 def reachable(name, seen):
@@ -60,12 +67,34 @@ def digest(name, command, build):
     return content.hexdigest()
 
 
-def check(name, build):
-    """Findings of one file; empty when there are none."""
+def findings(file, folder, *options):
+    """What clang-tidy finds in a file that the compile commands of `folder` name; empty when that is nothing."""
     # Warnings of the compiler proper are g++'s business (-Werror there); clang must only understand the code.
-    run = subprocess.run([TOOL, "-p", str(build), "--quiet", "--extra-arg=-Wno-everything", "--extra-arg=-Wno-error",
-                          str(ROOT / name)], capture_output=True, text=True, check=False)
+    run = subprocess.run([TOOL, "-p", str(folder), "--quiet", *options, "--extra-arg=-Wno-everything",
+                          "--extra-arg=-Wno-error", str(file)], capture_output=True, text=True, check=False)
     return "" if run.returncode == 0 else (run.stdout + run.stderr).strip() or f"{TOOL} ended with {run.returncode}"
+
+
+def check(batch, folder):
+    """{path: findings} of some sources. As one file they take the time of one, most of which is spent on the headers; only
+    where that has findings is each looked at by itself. `folder`: of their compile commands, and for that file."""
+    if len(batch) > 1:
+        first, command = batch[0]
+        own = folder / hashlib.sha256("".join(name for name, _ in batch).encode()).hexdigest()[:16]
+        own.mkdir(exist_ok=True)
+        together = own / "together.cpp"
+        # In the other order than the compiler: what one lacks, only neighbours in both orders can hide.
+        together.write_text("".join(f'#include "{ROOT / name}"\n' for name, _ in reversed(batch)), encoding="utf-8")
+        write_commands(own, [(together, command.replace(str(ROOT / first), str(together)))])
+        if not findings(together, own, "--checks=-bugprone-suspicious-include"):
+            return {name: "" for name, _ in batch}
+    return {name: findings(ROOT / name, folder) for name, _ in batch}
+
+
+def write_commands(folder, commands):
+    """compile_commands.json of (file, command); the commands name files in full."""
+    entries = [{"directory": str(folder), "command": command, "file": str(file)} for file, command in commands]
+    (folder / "compile_commands.json").write_text(json.dumps(entries, indent=1), encoding="utf-8")
 
 
 def main(arguments):
@@ -81,18 +110,24 @@ def main(arguments):
     build = pathlib.Path(arguments[0]).resolve()
     cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache", "aslio", "tidy")
     cache.mkdir(parents=True, exist_ok=True)
-    files = sources(build, arguments[1:])
+    batches = sources(build, arguments[1:])
+    files = [file for batch in batches for file in batch]
     keys = {name: cache / digest(name, command, build) for name, command in files}
-    pending = [name for name, _ in files if not keys[name].exists()]
+    pending = [[file for file in batch if not keys[file[0]].exists()] for batch in batches]
+    unchanged = len(files) - sum(map(len, pending))
+    folder = build / "tidy"
+    folder.mkdir(exist_ok=True)
+    write_commands(folder, [(ROOT / name, command) for name, command in files])
     failed = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name, findings in zip(pending, pool.map(lambda name: check(name, build), pending)):
-            if findings:
-                failed += 1
-                print(f"{name}:\n{findings}\n")
-            else:
-                keys[name].touch()
-    print(f"clang-tidy: {len(files) - failed} files passed ({len(files) - len(pending)} unchanged since they last did), "
+        for results in pool.map(lambda batch: check(batch, folder), [batch for batch in pending if batch]):
+            for name, found in results.items():
+                if found:
+                    failed += 1
+                    print(f"{name}:\n{found}\n")
+                else:
+                    keys[name].touch()
+    print(f"clang-tidy: {len(files) - failed} files passed ({unchanged} unchanged since they last did), "
           f"{failed} failed, {time.monotonic() - begin:.0f} s")
     if not files:
         print("error: no sources in compile_commands.json", file=sys.stderr)
