@@ -2,7 +2,7 @@
 option(ASLIO_BUILD_TESTS "Build the tests" ON)
 option(ASLIO_WERROR "Warnings are errors" OFF)
 option(ASLIO_NATIVE "Generate code for this machine's CPU (not for binaries that travel)" OFF)
-option(ASLIO_UNITY "Compile several sources at once: half the time for a first build, more for one after a change to a single file" ON)
+option(ASLIO_UNITY "Compile several sources at once: a shorter first build, a longer one after a change to a single file" ON)
 option(ASLIO_REPRODUCIBLE "No fused multiply-add by contraction: the same bits on every machine of one ASLIO_ARCH" OFF)
 set(ASLIO_ARCH "" CACHE STRING "Value of -march, for example x86-64-v3; empty: the compiler's default")
 set(ASLIO_EXEC_BACKEND threads CACHE STRING "Thread backend of exec: threads (sleeps when idle) or openmp (spins unless OMP_WAIT_POLICY=passive)")

@@ -13,12 +13,12 @@ HOME = "/ho" + "me/somebody/data"
 
 class HouseRules(unittest.TestCase):
     def findings(self, name, text, others=()):
-        """Rules that a tree with this one file, and maybe others, breaks."""
+        """Rules that a tree with this one file, and maybe others, breaks. "ROOT" in a text is where the tree stands."""
         with tempfile.TemporaryDirectory() as folder:
-            root = pathlib.Path(folder)
+            root = pathlib.Path(folder).resolve()
             for path, content in ((name, text), *others, ("tools/lint/house_rules.py", SCRIPT.read_text())):
                 (root / path).parent.mkdir(parents=True, exist_ok=True)
-                (root / path).write_text(content)
+                (root / path).write_text(content.replace('"ROOT/', f'"{root}/'))
             for command in (["init", "-q"], ["add", "."]):
                 subprocess.run(["git", *command], cwd=root, check=True, capture_output=True)
             run = subprocess.run([sys.executable, root / "tools/lint/house_rules.py"], capture_output=True, text=True,
@@ -85,6 +85,16 @@ class HouseRules(unittest.TestCase):
         self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE("x; y") {}\n')
         self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE(\n    "x "\n    "y; z") {}\n')
         self.assert_clean("tests/core/a.cpp", 'TEST_CASE(\n    "x "\n    "y") {\n  CHECK(a == "b; c");\n}\n')
+
+    def test_names_of_what_is_compiled_together(self):
+        unnamed = "namespace {\n\nint {name}(double x) {{\n  return other(x);\n}}\n\n}}  // namespace\n".replace("namespace {", "namespace {{")
+        both = ("build/dev/a/Unity/unity_0_cxx.cxx", '#include "ROOT/tools/a.cpp"\n#include "ROOT/tools/b.cpp"\n')
+        one = ("tools/a.cpp", unnamed.format(name="one"))
+        rule = ["functions compiled together have names of their own"]
+        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="one"), (one, both)), rule)
+        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="two"), (one, both)), [])
+        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="one"), (one,)), [])
+        self.assertEqual(self.findings("tools/b.cpp", "int one(double x) { return 1; }\n", (one, both)), [])
 
     def test_schema(self):
         self.assert_breaks("schema", "configs/pipelines/a.yaml", "window: {}\n")

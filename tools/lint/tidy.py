@@ -3,6 +3,7 @@
 
 usage: tidy.py BUILD_DIR [--tally FILE] [PATH_PART...]
 
+Sources that are compiled as one (aslio_unity) are checked as one, and each by itself where that finds something.
 A file that passed is not checked again until it, a header of ours that it includes, its compile command or .clang-tidy
 changes: passes are kept by content in ${XDG_CACHE_HOME:-~/.cache}/aslio/tidy.
 """
