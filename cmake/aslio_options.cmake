@@ -76,9 +76,16 @@ set(ASLIO_COMPILER_TEXT "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
 include(CheckPIESupported)
 check_pie_supported()
 
+# Whether the compiler may fuse a product and a sum into one rounding. Then what is inlined, and so which files are neighbours,
+# decides how a pose is rounded; without, nothing but the source does.
+set(ASLIO_FUSED OFF)
+if((ASLIO_NATIVE OR ASLIO_ARCH) AND NOT ASLIO_REPRODUCIBLE)
+  set(ASLIO_FUSED ON)
+endif()
+
 # aslio_unity(TARGET [APART REGEX]): its sources are compiled eight at a time, as one that includes them; those whose path
 # matches, each by itself. Most of what a compiler does for one of ours is to read the standard library and Eigen.
-# Apart is what computes a pose: how it is rounded must not depend on which files are neighbours.
+# Not for what computes a pose where ASLIO_FUSED.
 function(aslio_unity target)
   cmake_parse_arguments(ARG "" "APART" "" ${ARGN})
   if(ARG_APART)

@@ -12,7 +12,7 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr std::size_t kGrain = 256;  // points per chunk of a reduction
+constexpr std::size_t kPointsPerChunk = 256;  // points per chunk of a reduction
 double angle_between(const Mat3& a, const Mat3& b) { return log_so3(a.transpose() * b).norm(); }
 
 }  // namespace
@@ -101,10 +101,10 @@ BeginEndInformation CtIcp::measure(PointMatches& matches, bool fresh, double gat
   matches.evaluate(*residual_, params_.sigma);
   const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
   const std::size_t n = matches.body.size();
-  partials_.resize(exec::Executor::chunk_count(n, kGrain));
+  partials_.resize(exec::Executor::chunk_count(n, kPointsPerChunk));
   const BeginEnd::At end = path_.at(1.0);
   return exec_.reduce(
-      n, kGrain, BeginEndInformation{}, std::span<BeginEndInformation>(partials_),
+      n, kPointsPerChunk, BeginEndInformation{}, std::span<BeginEndInformation>(partials_),
       [&](std::size_t first, std::size_t last) {
         BeginEndInformation out;
         for (std::size_t i = first; i < last; ++i) {

@@ -11,8 +11,7 @@
 namespace aslio::plugins {
 
 namespace {
-constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
-constexpr int kPieces = 4;           // of a window, within which the path of a constant twist is taken for a parabola
+constexpr int kPieces = 4;  // of a window, within which the path of a constant twist is taken for a parabola
 }  // namespace
 
 void Icp::describe(config::Binder& b, Params& p) {

@@ -13,7 +13,6 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
 /// Directions are compared in metres: a rotation counts at the lever arm of a typical point.
 Vec6 direction_scale() {
   constexpr double lever_arm = 5.0;  // [m]

@@ -11,7 +11,6 @@
 namespace aslio::plugins {
 
 namespace {
-constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
 std::uint8_t class_of(std::uint8_t feature) { return static_cast<std::uint8_t>(feature & ~feature_class::clearest); }
 }  // namespace
 

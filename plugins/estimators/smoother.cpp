@@ -9,11 +9,6 @@
 
 namespace aslio::plugins {
 
-namespace {
-
-constexpr std::size_t kGrain = 512;  // points per chunk of a reduction
-}  // namespace
-
 Smoother::Smoother(const Params& params, const BuildContext& context)
     : params_(params),
       exec_(context.exec),

@@ -9,7 +9,6 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr std::size_t kQueriesPerChunk = 128;
 constexpr double kFarthest = 1e8;  // [m]; doubles are still fine to 15 nm there
 constexpr double kTrimStep = 1.0;  // [m]
 

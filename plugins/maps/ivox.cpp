@@ -6,14 +6,13 @@
 #include <utility>
 
 #include "maps/cell_points.hpp"
+#include "maps/nearest.hpp"
 
 namespace aslio::plugins {
 
 namespace {
 
-constexpr std::size_t kQueriesPerChunk = 128;
-constexpr std::size_t kAhead = 4;       // queries between loading a slot of the index and using it
-constexpr double kSlack = 1e-5;         // rounding of a float coordinate inside a voxel, as a share of its edge
+constexpr std::size_t kSlotsAhead = 4;  // queries between loading a slot of the index and using it
 constexpr std::array kSteps{0, -1, 1};  // own voxel first
 
 }  // namespace
@@ -63,8 +62,8 @@ void Ivox::correspond(std::span<const Vec3> queries, const MapQuery& query, Neig
   const auto max_squared = static_cast<float>(query.max_distance * query.max_distance);
   exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (i + kAhead < end) {
-        if (const auto ahead = cell_at(queries[i + kAhead])) index_.prefetch(pack(*ahead));
+      if (i + kSlotsAhead < end) {
+        if (const auto ahead = cell_at(queries[i + kSlotsAhead])) index_.prefetch(pack(*ahead));
       }
       Nearest nearest(k, max_squared);
       if (const auto centre = cell_at(queries[i])) search(queries[i], *centre, query.max_stamp, nearest);

@@ -11,6 +11,11 @@
 
 namespace aslio::plugins {
 
+/// Queries that one thread answers in a row.
+inline constexpr std::size_t kQueriesPerChunk = 128;
+/// Rounding of a float coordinate inside a voxel, as a share of its edge, with much to spare.
+inline constexpr double kSlack = 1e-5;
+
 /// Ascending by (squared distance, order of insertion). Everything is relative to the query [m].
 class Nearest {
  public:

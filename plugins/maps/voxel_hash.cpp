@@ -12,11 +12,8 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr std::size_t kQueriesPerChunk = 128;
-constexpr std::size_t kAhead = 3;  // queries between the steps of loading a voxel before it is needed
-constexpr int kMaxReach = 32;      // voxels; below kCellMargin, so that neighbours of a valid cell have keys
-/// Rounding of a float coordinate inside a voxel, as a share of its edge, with much to spare.
-constexpr double kSlack = 1e-5;
+constexpr std::size_t kStepsAhead = 3;  // queries between the steps of loading a voxel before it is needed
+constexpr int kMaxReach = 32;           // voxels; below kCellMargin, so that neighbours of a valid cell have keys
 
 /// Squared distance [m^2] along one axis from a query at `relative` to the voxels `d` cells away; 0 for its own.
 float axis_squared(double relative, int d, double edge) {
@@ -73,9 +70,9 @@ void VoxelHash::correspond(std::span<const Vec3> queries, const MapQuery& query,
   const auto max_squared = static_cast<float>(query.max_distance * query.max_distance);
   exec_.for_ranges(queries.size(), kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (i + 3 * kAhead < end) load_ahead(queries[i + 3 * kAhead], 0);
-      if (i + 2 * kAhead < end) load_ahead(queries[i + 2 * kAhead], 1);
-      if (i + kAhead < end) load_ahead(queries[i + kAhead], 2);
+      if (i + 3 * kStepsAhead < end) load_ahead(queries[i + 3 * kStepsAhead], 0);
+      if (i + 2 * kStepsAhead < end) load_ahead(queries[i + 2 * kStepsAhead], 1);
+      if (i + kStepsAhead < end) load_ahead(queries[i + kStepsAhead], 2);
       Search one(k, max_squared, query.max_stamp);
       search(queries[i], one);
       one.nearest.write(out, i);

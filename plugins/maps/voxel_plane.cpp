@@ -11,7 +11,7 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr std::size_t kQueriesPerChunk = 256;
+constexpr std::size_t kSurfacesPerChunk = 256;
 /// Points whose voxels are fetched at once: looking for one after the other is waiting for memory.
 constexpr std::size_t kBatch = CellBatch::kSize;
 constexpr std::uint32_t kNone = CellIndex::kNone;
@@ -115,7 +115,7 @@ void VoxelPlane::correspond(std::span<const Vec3> queries, const MapQuery& query
 void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out,
                           Share share) const {
   const std::size_t own = share.size(queries.size());
-  exec_.for_ranges(own, kQueriesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+  exec_.for_ranges(own, kSurfacesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     CellBatch cells;
     std::array<std::uint32_t, kBatch> roots{};
     for (std::size_t first = begin; first < end; first += kBatch) {

@@ -7,8 +7,9 @@
 namespace aslio::plugins {
 
 namespace {
-constexpr std::size_t kMatchesPerChunk = 128;
-constexpr double kCoincident = 1e-6;  // neighbours closer together than this [m] are one point measured many times
+constexpr std::size_t kLinesPerChunk = 128;
+constexpr double kCoincidentPoints =
+    1e-6;  // neighbours closer together than this [m] are one point measured many times
 }  // namespace
 
 void PointToLine::describe(config::Binder& b, Params& p) {
@@ -44,12 +45,12 @@ Surface PointToLine::line_through(const Vec3& query, const Neighbours& neighbour
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(scatter);
   const Vec3& values = solver.eigenvalues();
-  if (values[2] <= kCoincident * kCoincident || !(values[2] > params_.elongation * values[1])) return {};
+  if (values[2] <= kCoincidentPoints * kCoincidentPoints || !(values[2] > params_.elongation * values[1])) return {};
   return {.normal = solver.eigenvectors().col(2), .anchor = query + mean, .valid = true};
 }
 
 void PointToLine::fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) {
-  exec_.for_ranges(queries.size(), kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+  exec_.for_ranges(queries.size(), kLinesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) out[i] = line_through(queries[i], neighbours, i);
   });
 }
@@ -70,7 +71,7 @@ double PointToLine::weight(double distance) const {
 void PointToLine::evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                            double sigma, std::span<ResidualRow> rows) {
   const double information = 1.0 / (sigma * sigma);
-  exec_.for_ranges(world.size(), kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+  exec_.for_ranges(world.size(), kLinesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       rows[2 * i] = rows[2 * i + 1] = {};
       const Surface& line = surfaces[i];

@@ -5,7 +5,7 @@
 namespace aslio::plugins {
 
 namespace {
-constexpr std::size_t kMatchesPerChunk = 1024;
+constexpr std::size_t kPairsPerChunk = 1024;
 }
 
 void PointToPoint::describe(config::Binder& b, Params& p) {
@@ -30,7 +30,7 @@ void PointToPoint::evaluate(std::span<const Vec3> world, std::span<const float>,
                             double sigma, std::span<ResidualRow> rows) {
   const double information = 1.0 / (sigma * sigma);
   const double farthest = params_.gate * sigma;
-  exec_.for_ranges(world.size(), kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+  exec_.for_ranges(world.size(), kPairsPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) rows[3 * i + axis] = {};
       if (!surfaces[i].valid) continue;

@@ -10,6 +10,8 @@ void StrideSampler::describe(config::Binder& b, Params& p) {
   b.integer("keep_every", p.keep_every, "", {.min = 1, .max = 1e6}, "one in so many points (or firings) is kept");
   b.choice("by", p.by, {{"point", By::point}, {"firing", By::firing}},
            "count points over the stream, or keep a share of whole firings (points of equal time)");
+  b.real("known", p.known, "", {.min = 0.0, .max = 1.0},
+         "thin only after an update whose overlap degree is at least this; 0: always");
   describe_taps(b, p.taps);
 }
 
@@ -18,6 +20,7 @@ StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
       phase_(static_cast<std::uint32_t>(context.order_seed % keep_every_)),
       seed_(context.order_seed),
       by_(params.by),
+      known_(params.known),
       taps_(tap_mask(params.taps)) {
   const auto lines = static_cast<std::uint32_t>(context.sensor.scan_lines);
   const std::uint32_t common = std::gcd(keep_every_, lines);
@@ -29,12 +32,17 @@ StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
   }
 }
 
-bool StrideSampler::keeps(const TimedPoint& p) const {
+bool StrideSampler::keeps(const TimedPoint& p) {
   if (by_ == By::point) return p.index % keep_every_ == phase_;
-  return mixed(static_cast<std::uint64_t>(p.t) + kGoldenRatio * seed_) % keep_every_ == 0;
+  if (p.t != firing_) {
+    firing_ = p.t;
+    keeps_firing_ = mixed(static_cast<std::uint64_t>(p.t) + kGoldenRatio * seed_) % keep_every_ == 0;
+  }
+  return keeps_firing_;
 }
 
 void StrideSampler::sample(SampleBatch& batch) {
+  if (overlap_ < known_) return;  // eq. SMP-1
   const auto cleared = static_cast<TapMask>(~taps_);
   for (std::size_t i = 0; i < batch.raw.size(); ++i) {
     if ((batch.taps[i] & taps_) != 0 && !keeps(batch.raw[i]))

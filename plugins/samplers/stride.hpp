@@ -1,5 +1,5 @@
 #pragma once
-/// `stride`: thins the raw stream before anything costly happens to it.
+/// `stride`: thins the raw stream before anything costly happens to it; eq. SMP-1: only while the view is known.
 
 #include <cstdint>
 
@@ -20,6 +20,7 @@ class StrideSampler final : public Sampler {
   struct Params {
     std::int64_t keep_every = 5;
     By by = By::point;
+    double known = 0.0;  ///< O from which on it thins; 0: always
     TapNames taps{"overlap", "map", "match"};
   };
   static void describe(config::Binder& b, Params& p);
@@ -28,16 +29,21 @@ class StrideSampler final : public Sampler {
   StrideSampler(const Params& params, const BuildContext& context);
 
   ActsOn acts_on() const override { return ActsOn::raw; }
+  void observe(const Feedback& feedback) override { overlap_ = feedback.overlap.value.value_or(0.0); }
   void sample(SampleBatch& batch) override;
 
  private:
-  bool keeps(const TimedPoint& p) const;
+  bool keeps(const TimedPoint& p);
 
   std::uint32_t keep_every_;
   std::uint32_t phase_;  ///< index (mod keep_every) of the points kept
   std::uint64_t seed_;
   By by_;
+  double known_;
+  double overlap_ = 0.0;  ///< of the last update; 0 where nothing was scored
   TapMask taps_;
+  TimeNs firing_ = kTimeMin;  ///< the last one that was decided on
+  bool keeps_firing_ = false;
 };
 
 }  // namespace aslio::plugins

@@ -10,7 +10,7 @@ namespace aslio::plugins {
 
 namespace {
 
-constexpr unsigned kSmallest = 14;  // log2 of slots: 128 KB, room for the cells of a few frames
+constexpr unsigned kSmallestBits = 14;  // log2 of slots: 128 KB, room for the cells of a few frames
 
 bool in_range(std::int32_t c) { return c >= -kCellRange && c < kCellRange; }
 bool near_edge(std::int32_t c) {
@@ -28,7 +28,7 @@ void FlatHash::describe(config::Binder& b, Params& p) {
 FlatHash::FlatHash(const Params& params, const BuildContext& context) {
   (void)params;
   (void)context;
-  rebuild(kSmallest, [](std::uint64_t) { return true; });
+  rebuild(kSmallestBits, [](std::uint64_t) { return true; });
 }
 
 template <class Keep>
@@ -91,7 +91,7 @@ void FlatHash::keep_inside(const Cell& lo, const Cell& hi) {
   const auto kept = static_cast<std::size_t>(
       std::count_if(keys_.begin(), keys_.end(), [&](std::uint64_t key) { return key != kEmpty && inside(key); }));
   if (kept == size_) return;
-  rebuild(std::max(kSmallest, static_cast<unsigned>(std::bit_width(2 * kept + 1))), inside);
+  rebuild(std::max(kSmallestBits, static_cast<unsigned>(std::bit_width(2 * kept + 1))), inside);
 }
 
 void FlatHash::clear() {

@@ -155,6 +155,23 @@ TEST_CASE("what was placed before the map began anew is not matched against it")
   CHECK(observer.of_before == 0);
 }
 
+TEST_CASE("samplers know what the update before told") {
+  constexpr double known = 0.97;
+  const Watched run({"samplers=[{type: stride, keep_every: 4, known: 0.97}]", "overlap.max_points=0"}, 8.0);
+  REQUIRE(run.updates.size() > 100);
+  std::size_t thinned = 0, whole = 0;
+  for (std::size_t k = 0; k < run.updates.size(); ++k) {
+    const pipeline::UpdateRecord& update = run.updates[k];
+    const bool thins = k > 0 && run.updates[k - 1].overlap.value.value_or(0.0) >= known;
+    CAPTURE(k, thins, update.n_fresh);
+    // The index of a point counts over the stream, so that a window has a quarter of its points, rounded either way.
+    CHECK(std::abs(4.0 * update.overlap.points - (thins ? 1.0 : 4.0) * update.n_fresh) < 4.0);
+    (thins ? thinned : whole) += 1;
+  }
+  CHECK(thinned > 20);
+  CHECK(whole > 20);
+}
+
 TEST_CASE("what the overlap learns is on its account, what enters the map on the map's") {
   const simulator::AnalyticWorld world({.duration_scale = 0.5});
   const auto source = world.source();

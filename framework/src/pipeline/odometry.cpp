@@ -58,6 +58,7 @@ class Odometry::Loop {
       const CpuTimer timer(record.times.insert);
       record.inserted = stages_.insertion->begin(window, *stages_.map);
     }
+    stages_.samplers.observe(feedback_);
     const Update& update = stages_.estimator->update(window, past, {stages_.samplers, *stages_.map, *stages_.history});
     record.times = add(record.times, update.times);
     {  // After alignment, BEFORE merging: measured after the merge it would always be about 1.

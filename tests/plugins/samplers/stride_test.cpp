@@ -78,6 +78,29 @@ TEST_CASE("stride by firing keeps or drops firings whole, a k-th of them, anothe
   CHECK(kept(params, 1, 60'000) != indices);
 }
 
+// eq. SMP-1
+TEST_CASE("stride with a known overlap thins after an update that knew its view, and only then") {
+  test::BuildEnvironment environment;
+  StrideSampler sampler({.keep_every = 5, .known = 0.9}, environment.context());
+  const auto kept_after = [&](std::optional<double> overlap) {
+    Feedback feedback;
+    feedback.overlap.value = overlap;
+    sampler.observe(feedback);
+    test::Batch batch = test::random_batch(1000, 1, 10.0f);
+    SampleBatch view = batch.view();
+    sampler.sample(view);
+    return batch.count(Tap::map);
+  };
+  test::Batch first = test::random_batch(1000, 1, 10.0f);
+  SampleBatch view = first.view();
+  sampler.sample(view);
+  CHECK(first.count(Tap::map) == 1000);  // nothing is known before the first update
+  CHECK(kept_after(0.9) == 200);
+  CHECK(kept_after(0.8999) == 1000);
+  CHECK(kept_after(1.0) == 200);
+  CHECK(kept_after(std::nullopt) == 1000);  // nothing was scored
+}
+
 TEST_CASE("stride acts for its taps only") {
   test::BuildEnvironment environment;
   StrideSampler sampler({.keep_every = 2, .taps = {"match"}}, environment.context());

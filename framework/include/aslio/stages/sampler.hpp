@@ -8,6 +8,7 @@
 
 #include "aslio/config/nested.hpp"
 #include "aslio/stages/points.hpp"
+#include "aslio/stages/window.hpp"
 
 namespace aslio {
 
@@ -25,7 +26,8 @@ struct SampleBatch {
 
 /// Contract. `acts_on` = raw samplers run before de-skew and must not read `body`; body samplers run after it. A raw
 /// sampler decides by a point's own data (its index counts over the stream, so a decision does not depend on where
-/// windows were cut). Deterministic; not thread-safe; no allocation after warm-up; O(n).
+/// windows were cut) and by what the last update told. Deterministic; not thread-safe; no allocation after warm-up;
+/// O(n).
 class Sampler : public Stage {
  public:
   static constexpr std::string_view family = "samplers";
@@ -35,6 +37,8 @@ class Sampler : public Stage {
   virtual bool moves_points() const { return false; }
   /// Whether it sets the feature_class of points.
   virtual bool gives_features() const { return false; }
+  /// What the update before told, once before every update; after a new start, as before the first.
+  virtual void observe(const Feedback&) {}
   virtual void sample(SampleBatch& batch) = 0;
 };
 
@@ -47,6 +51,9 @@ class SamplerChain {
     for (auto& member : members_) {
       if (member->acts_on() == phase) member->sample(batch);
     }
+  }
+  void observe(const Feedback& feedback) {
+    for (auto& member : members_) member->observe(feedback);
   }
   bool moves_points() const {
     return std::any_of(members_.begin(), members_.end(), [](const auto& member) { return member->moves_points(); });
