@@ -79,8 +79,19 @@ check_pie_supported()
 # Whether the compiler may fuse a product and a sum into one rounding. Then what is inlined, and so which files are neighbours,
 # decides how a pose is rounded; without, nothing but the source does.
 set(ASLIO_FUSED OFF)
-if((ASLIO_NATIVE OR ASLIO_ARCH) AND NOT ASLIO_REPRODUCIBLE)
-  set(ASLIO_FUSED ON)
+if(NOT ASLIO_REPRODUCIBLE)
+  include(CheckCXXSourceCompiles)
+  list(JOIN ASLIO_CODE_FLAGS " " CMAKE_REQUIRED_FLAGS)
+  unset(aslio_fuses CACHE)  # the flags may have changed
+  set(CMAKE_REQUIRED_QUIET ON)
+  check_cxx_source_compiles("
+    #if !(defined __FMA__ || defined __FMA4__ || defined __ARM_FEATURE_FMA || defined __powerpc64__ || defined __riscv_d)
+    #error none
+    #endif
+    int main() {}" aslio_fuses)
+  set(ASLIO_FUSED ${aslio_fuses})
+  unset(CMAKE_REQUIRED_FLAGS)
+  unset(CMAKE_REQUIRED_QUIET)
 endif()
 
 # aslio_unity(TARGET [APART REGEX]): its sources are compiled eight at a time, as one that includes them; those whose path

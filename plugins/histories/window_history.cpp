@@ -62,7 +62,8 @@ HistorySelection WindowHistory::select(const Window& window) {
 
 std::size_t WindowHistory::most(const Window& window, std::size_t offered) const {
   if (!reuse_.cap) return offered;
-  // How many fresh points sampling will leave is known only after de-skew; the share it left last time stands in.
+  // How many fresh points sampling will leave is known only after de-skew; the share it left last time stands in. Where
+  // a sampler changes its share (SMP-1), one window has that many times more or fewer old points than the cap.
   const double fresh = matched_per_fresh_ * static_cast<double>(window.fresh.size());
   return std::min(offered, static_cast<std::size_t>(*reuse_.cap * fresh));
 }

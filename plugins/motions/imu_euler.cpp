@@ -6,7 +6,7 @@ namespace aslio::plugins {
 
 namespace {
 
-ImuTransition transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
+ImuTransition euler_transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
   const MeanInput u(before, from, to);
   const double dt = u.dt;
   const Vec3 turn = dt * u.w;
@@ -45,12 +45,12 @@ MotionSegment ImuEuler::step(NavState& state, const ImuSample& from, const ImuSa
 
 void ImuEuler::propagate_covariance(const NavState& before, const ImuSample& from, const ImuSample& to,
                                     const ImuNoise& noise, StateMatrix& P) const {
-  transition(before, from, to).apply(noise, P);
+  euler_transition(before, from, to).apply(noise, P);
 }
 
 void ImuEuler::linearise(const NavState& before, const ImuSample& from, const ImuSample& to, StateMatrix& F,
                          Eigen::Matrix<double, kStateDim, 12>& G) const {
-  transition(before, from, to).dense(F, G);
+  euler_transition(before, from, to).dense(F, G);
 }
 
 }  // namespace aslio::plugins

@@ -6,7 +6,7 @@ namespace aslio::plugins {
 
 namespace {
 
-ImuTransition transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
+ImuTransition midpoint_transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
   const MeanInput u(before, from, to);
   const Vec3 half_turn = 0.5 * u.dt * u.w;
   const Mat3 R_mid = before.R * exp_so3(half_turn);
@@ -46,12 +46,12 @@ MotionSegment ImuMidpoint::step(NavState& state, const ImuSample& from, const Im
 
 void ImuMidpoint::propagate_covariance(const NavState& before, const ImuSample& from, const ImuSample& to,
                                        const ImuNoise& noise, StateMatrix& P) const {
-  transition(before, from, to).apply(noise, P);
+  midpoint_transition(before, from, to).apply(noise, P);
 }
 
 void ImuMidpoint::linearise(const NavState& before, const ImuSample& from, const ImuSample& to, StateMatrix& F,
                             Eigen::Matrix<double, kStateDim, 12>& G) const {
-  transition(before, from, to).dense(F, G);
+  midpoint_transition(before, from, to).dense(F, G);
 }
 
 }  // namespace aslio::plugins

@@ -11,7 +11,9 @@ void StrideSampler::describe(config::Binder& b, Params& p) {
   b.choice("by", p.by, {{"point", By::point}, {"firing", By::firing}},
            "count points over the stream, or keep a share of whole firings (points of equal time)");
   b.real("known", p.known, "", {.min = 0.0, .max = 1.0},
-         "thin only after an update whose overlap degree is at least this; 0: always");
+         "thin only after an update whose overlap degree is at least this, and whose view lacked nothing; 0: always");
+  b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
+         "with known: time after the first insertion into the map for which all points are taken");
   describe_taps(b, p.taps);
 }
 
@@ -21,6 +23,8 @@ StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
       seed_(context.order_seed),
       by_(params.by),
       known_(params.known),
+      warmup_(to_ns(params.warmup)),
+      thins_(params.known == 0.0),
       taps_(tap_mask(params.taps)) {
   const auto lines = static_cast<std::uint32_t>(context.sensor.scan_lines);
   const std::uint32_t common = std::gcd(keep_every_, lines);
@@ -41,8 +45,15 @@ bool StrideSampler::keeps(const TimedPoint& p) {
   return keeps_firing_;
 }
 
+void StrideSampler::observe(const Feedback& feedback) {
+  if (known_ == 0.0) return;
+  // eq. SMP-1. Few matches, or a direction that is left open, are no reason to look at fewer points.
+  thins_ = feedback.status == UpdateStatus::ok && feedback.overlap.value && *feedback.overlap.value >= known_ &&
+           feedback.first_insertion != kTimeMax && feedback.t - feedback.first_insertion >= warmup_;
+}
+
 void StrideSampler::sample(SampleBatch& batch) {
-  if (overlap_ < known_) return;  // eq. SMP-1
+  if (!thins_) return;
   const auto cleared = static_cast<TapMask>(~taps_);
   for (std::size_t i = 0; i < batch.raw.size(); ++i) {
     if ((batch.taps[i] & taps_) != 0 && !keeps(batch.raw[i]))

@@ -2,6 +2,7 @@
 /// `stride`: thins the raw stream before anything costly happens to it; eq. SMP-1: only while the view is known.
 
 #include <cstdint>
+#include <optional>
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
@@ -20,7 +21,8 @@ class StrideSampler final : public Sampler {
   struct Params {
     std::int64_t keep_every = 5;
     By by = By::point;
-    double known = 0.0;  ///< O from which on it thins; 0: always
+    double known = 0.0;   ///< O from which on it thins; 0: always
+    double warmup = 1.0;  ///< with `known`: after the first insertion all points are taken for so long [s]
     TapNames taps{"overlap", "map", "match"};
   };
   static void describe(config::Binder& b, Params& p);
@@ -29,7 +31,7 @@ class StrideSampler final : public Sampler {
   StrideSampler(const Params& params, const BuildContext& context);
 
   ActsOn acts_on() const override { return ActsOn::raw; }
-  void observe(const Feedback& feedback) override { overlap_ = feedback.overlap.value.value_or(0.0); }
+  void observe(const Feedback& feedback) override;
   void sample(SampleBatch& batch) override;
 
  private:
@@ -40,9 +42,10 @@ class StrideSampler final : public Sampler {
   std::uint64_t seed_;
   By by_;
   double known_;
-  double overlap_ = 0.0;  ///< of the last update; 0 where nothing was scored
+  TimeNs warmup_;
+  bool thins_;  ///< for the update at hand
   TapMask taps_;
-  TimeNs firing_ = kTimeMin;  ///< the last one that was decided on
+  std::optional<TimeNs> firing_;  ///< the last one that was decided on
   bool keeps_firing_ = false;
 };
 

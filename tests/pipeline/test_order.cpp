@@ -157,12 +157,13 @@ TEST_CASE("what was placed before the map began anew is not matched against it")
 
 TEST_CASE("samplers know what the update before told") {
   constexpr double known = 0.97;
-  const Watched run({"samplers=[{type: stride, keep_every: 4, known: 0.97}]", "overlap.max_points=0"}, 8.0);
+  const Watched run({"samplers=[{type: stride, keep_every: 4, known: 0.97, warmup: 0}]", "overlap.max_points=0"}, 8.0);
   REQUIRE(run.updates.size() > 100);
   std::size_t thinned = 0, whole = 0;
   for (std::size_t k = 0; k < run.updates.size(); ++k) {
     const pipeline::UpdateRecord& update = run.updates[k];
-    const bool thins = k > 0 && run.updates[k - 1].overlap.value.value_or(0.0) >= known;
+    const bool thins = k > 0 && run.updates[k - 1].overlap.value.value_or(0.0) >= known &&
+                       run.updates[k - 1].status == UpdateStatus::ok;
     CAPTURE(k, thins, update.n_fresh);
     // The index of a point counts over the stream, so that a window has a quarter of its points, rounded either way.
     CHECK(std::abs(4.0 * update.overlap.points - (thins ? 1.0 : 4.0) * update.n_fresh) < 4.0);
@@ -170,6 +171,25 @@ TEST_CASE("samplers know what the update before told") {
   }
   CHECK(thinned > 20);
   CHECK(whole > 20);
+}
+
+TEST_CASE("a map that has begun anew knows no view") {
+  const simulator::AnalyticWorld world({.duration_scale = 0.5});
+  const auto source = world.source();
+  AfterRestarts observer;
+  const plugin::Catalog catalog = spied(built_in_stages(), observer);
+  Run run(shipped("as_lio",
+                  {"window={type: fixed, period: 0.02, frame_length: 0.1}", "initialisation.mode=dynamic",
+                   "samplers=[{type: stride, keep_every: 4, known: 0.001, warmup: 0}]", "overlap.max_points=0"},
+                  catalog),
+          world.sensor());
+  run.play(record(*source, world.begin_time() + to_ns(1.5)));
+  REQUIRE(observer.restarts > 5);
+  // Every update but the last that began the map anew is followed by one that takes all points.
+  std::size_t whole = 0;
+  for (const pipeline::UpdateRecord& update : run.updates) whole += update.overlap.points == update.n_fresh;
+  CHECK(whole >= observer.restarts);
+  CHECK(whole < run.updates.size());
 }
 
 TEST_CASE("what the overlap learns is on its account, what enters the map on the map's") {

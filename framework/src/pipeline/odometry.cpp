@@ -81,7 +81,9 @@ class Odometry::Loop {
     if (tracking_.lost() ? sound(update.state) : update.accepted) believed_ = update.state.pose();
     if (update.accepted && !tracking_.lost()) last_accepted_ = plan.end;
     report(window, past, update, record);
-    feedback_ = {plan.end,     feedback_.first_insertion, update.status,   record.overlap,
+    // Of a map that has begun anew nothing is known.
+    const OverlapScore overlap = update.restart_map ? OverlapScore{} : record.overlap;
+    feedback_ = {plan.end,     feedback_.first_insertion, update.status,   overlap,
                  update.state, update.spectrum,           record.n_matches};
   }
 

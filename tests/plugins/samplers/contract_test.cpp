@@ -19,6 +19,13 @@ struct EverySampler {
   test::BuildEnvironment environment;
 };
 
+/// Of an update, long after the start, that knew all of its view.
+Feedback of_a_known_view() {
+  Feedback feedback{.t = 1000 * kSecond, .first_insertion = 0, .status = UpdateStatus::ok};
+  feedback.overlap.value = 1.0;
+  return feedback;
+}
+
 }  // namespace
 
 TEST_CASE("every registered sampler thins, and only ever clears bits") {
@@ -27,6 +34,7 @@ TEST_CASE("every registered sampler thins, and only ever clears bits") {
     CAPTURE(type);
     const auto sampler = every.make(type);
     REQUIRE(sampler);
+    sampler->observe(of_a_known_view());
     std::size_t cleared = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       test::Batch batch = test::random_batch(20000, seed, seed % 2 == 0 ? 1.0f : 120.0f, true);
@@ -78,6 +86,10 @@ TEST_CASE("every registered sampler is deterministic and takes batches of no, on
       other->sample(view);
     }
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      Feedback feedback = of_a_known_view();
+      feedback.overlap.value = 1.0 / static_cast<double>(seed);
+      one->observe(feedback);
+      other->observe(feedback);
       test::Batch a = test::random_batch(3000, seed, 5.0f);
       test::Batch b = a;
       SampleBatch view_a = a.view(), view_b = b.view();

@@ -1,6 +1,7 @@
 #include "samplers/stride.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <set>
 
 #include "plugins/build_environment.hpp"
@@ -81,24 +82,36 @@ TEST_CASE("stride by firing keeps or drops firings whole, a k-th of them, anothe
 // eq. SMP-1
 TEST_CASE("stride with a known overlap thins after an update that knew its view, and only then") {
   test::BuildEnvironment environment;
-  StrideSampler sampler({.keep_every = 5, .known = 0.9}, environment.context());
-  const auto kept_after = [&](std::optional<double> overlap) {
-    Feedback feedback;
-    feedback.overlap.value = overlap;
-    sampler.observe(feedback);
+  StrideSampler sampler({.keep_every = 5, .known = 0.9, .warmup = 1.0}, environment.context());
+  const auto kept = [&] {
     test::Batch batch = test::random_batch(1000, 1, 10.0f);
     SampleBatch view = batch.view();
     sampler.sample(view);
     return batch.count(Tap::map);
   };
-  test::Batch first = test::random_batch(1000, 1, 10.0f);
-  SampleBatch view = first.view();
-  sampler.sample(view);
-  CHECK(first.count(Tap::map) == 1000);  // nothing is known before the first update
+  CHECK(kept() == 1000);  // nothing is known before the first update
+  Feedback feedback{.t = 3 * kSecond, .first_insertion = 2 * kSecond, .status = UpdateStatus::ok};
+  const auto kept_after = [&](std::optional<double> overlap) {
+    feedback.overlap.value = overlap;
+    sampler.observe(feedback);
+    return kept();
+  };
   CHECK(kept_after(0.9) == 200);
   CHECK(kept_after(0.8999) == 1000);
   CHECK(kept_after(1.0) == 200);
   CHECK(kept_after(std::nullopt) == 1000);  // nothing was scored
+  CHECK(kept_after(std::nan("")) == 1000);
+  for (const auto status : {UpdateStatus::initialising, UpdateStatus::few_matches, UpdateStatus::degenerate,
+                            UpdateStatus::not_converged, UpdateStatus::non_finite}) {
+    feedback.status = status;
+    CHECK(kept_after(1.0) == 1000);
+  }
+  feedback.status = UpdateStatus::ok;
+  CHECK(kept_after(1.0) == 200);
+  feedback.t -= 1;  // in the first second
+  CHECK(kept_after(1.0) == 1000);
+  feedback.first_insertion = kTimeMax;  // an empty map
+  CHECK(kept_after(1.0) == 1000);
 }
 
 TEST_CASE("stride acts for its taps only") {
