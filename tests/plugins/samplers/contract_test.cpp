@@ -21,7 +21,10 @@ struct EverySampler {
 
 /// Of an update, long after the start, that knew all of its view.
 Feedback of_a_known_view() {
-  Feedback feedback{.t = 1000 * kSecond, .first_insertion = 0, .status = UpdateStatus::ok};
+  Feedback feedback;
+  feedback.t = 1000 * kSecond;
+  feedback.first_insertion = 0;
+  feedback.status = UpdateStatus::ok;
   feedback.overlap.value = 1.0;
   return feedback;
 }

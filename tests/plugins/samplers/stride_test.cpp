@@ -90,7 +90,10 @@ TEST_CASE("stride with a known overlap thins after an update that knew its view,
     return batch.count(Tap::map);
   };
   CHECK(kept() == 1000);  // nothing is known before the first update
-  Feedback feedback{.t = 3 * kSecond, .first_insertion = 2 * kSecond, .status = UpdateStatus::ok};
+  Feedback feedback;
+  feedback.t = 3 * kSecond;
+  feedback.first_insertion = 2 * kSecond;
+  feedback.status = UpdateStatus::ok;
   const auto kept_after = [&](std::optional<double> overlap) {
     feedback.overlap.value = overlap;
     sampler.observe(feedback);
