@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "residuals/coincident.hpp"
+
 namespace aslio::plugins {
 
 namespace {
 constexpr std::size_t kLinesPerChunk = 128;
-constexpr double kCoincidentPoints =
-    1e-6;  // neighbours closer together than this [m] are one point measured many times
 }  // namespace
 
 void PointToLine::describe(config::Binder& b, Params& p) {
@@ -45,7 +45,7 @@ Surface PointToLine::line_through(const Vec3& query, const Neighbours& neighbour
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(scatter);
   const Vec3& values = solver.eigenvalues();
-  if (values[2] <= kCoincidentPoints * kCoincidentPoints || !(values[2] > params_.elongation * values[1])) return {};
+  if (values[2] <= kCoincident * kCoincident || !(values[2] > params_.elongation * values[1])) return {};
   return {.normal = solver.eigenvectors().col(2), .anchor = query + mean, .valid = true};
 }
 

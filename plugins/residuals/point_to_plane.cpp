@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "residuals/coincident.hpp"
 #include "residuals/plane_fit.hpp"
 
 namespace aslio::plugins {
 
 namespace {
 constexpr std::size_t kMatchesPerChunk = 16 * PlaneBatch::kWidth;
-/// Neighbours closer together than this [m] are one point measured many times.
-constexpr double kCoincident = 1e-6;
 }  // namespace
 
 void PointToPlane::describe(config::Binder& b, Params& p) {

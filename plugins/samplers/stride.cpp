@@ -36,13 +36,9 @@ StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
   }
 }
 
-bool StrideSampler::keeps(const TimedPoint& p) {
+bool StrideSampler::keeps(const TimedPoint& p) const {
   if (by_ == By::point) return p.index % keep_every_ == phase_;
-  if (p.t != firing_) {
-    firing_ = p.t;
-    keeps_firing_ = mixed(static_cast<std::uint64_t>(p.t) + kGoldenRatio * seed_) % keep_every_ == 0;
-  }
-  return keeps_firing_;
+  return mixed(static_cast<std::uint64_t>(p.t) + kGoldenRatio * seed_) % keep_every_ == 0;
 }
 
 void StrideSampler::observe(const Feedback& feedback) {
@@ -55,9 +51,15 @@ void StrideSampler::observe(const Feedback& feedback) {
 void StrideSampler::sample(SampleBatch& batch) {
   if (!thins_) return;
   const auto cleared = static_cast<TapMask>(~taps_);
+  const TimedPoint* decided = nullptr;  // the last point that was
+  bool kept = false;
   for (std::size_t i = 0; i < batch.raw.size(); ++i) {
-    if ((batch.taps[i] & taps_) != 0 && !keeps(batch.raw[i]))
-      batch.taps[i] = static_cast<TapMask>(batch.taps[i] & cleared);
+    if ((batch.taps[i] & taps_) == 0) continue;
+    const TimedPoint& p = batch.raw[i];
+    const bool same_firing = by_ == By::firing && decided != nullptr && decided->t == p.t;
+    if (!same_firing) kept = keeps(p);
+    decided = &p;
+    if (!kept) batch.taps[i] = static_cast<TapMask>(batch.taps[i] & cleared);
   }
 }
 

@@ -2,7 +2,6 @@
 /// `stride`: thins the raw stream before anything costly happens to it; eq. SMP-1: only while the view is known.
 
 #include <cstdint>
-#include <optional>
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
@@ -35,7 +34,7 @@ class StrideSampler final : public Sampler {
   void sample(SampleBatch& batch) override;
 
  private:
-  bool keeps(const TimedPoint& p);
+  bool keeps(const TimedPoint& p) const;
 
   std::uint32_t keep_every_;
   std::uint32_t phase_;  ///< index (mod keep_every) of the points kept
@@ -45,8 +44,6 @@ class StrideSampler final : public Sampler {
   TimeNs warmup_;
   bool thins_;  ///< for the update at hand
   TapMask taps_;
-  std::optional<TimeNs> firing_;  ///< the last one that was decided on
-  bool keeps_firing_ = false;
 };
 
 }  // namespace aslio::plugins

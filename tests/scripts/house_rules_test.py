@@ -95,6 +95,10 @@ class HouseRules(unittest.TestCase):
         self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="two"), (one, both)), [])
         self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="one"), (one,)), [])
         self.assertEqual(self.findings("tools/b.cpp", "int one(double x) { return 1; }\n", (one, both)), [])
+        options = ("cmake/aslio_options.cmake", "# none\n")
+        on, off = (("build/dev/CMakeCache.txt", f"ASLIO_UNITY:BOOL={value}\n") for value in ("ON", "OFF"))
+        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="two"), (options, on)), rule)
+        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="two"), (options, off)), [])
 
     def test_schema(self):
         self.assert_breaks("schema", "configs/pipelines/a.yaml", "window: {}\n")

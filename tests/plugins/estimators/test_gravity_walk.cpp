@@ -1,8 +1,8 @@
 // Gravity that turns against the map (eq. MOT-8), in the estimators that take `gravity_walk`.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "plugins/estimators/room_filter.hpp"
 
 using namespace aslio;
@@ -10,7 +10,6 @@ using namespace aslio::test;
 
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr int kGravity = 15;  // first row of its block
 
 std::vector<std::string> estimator(const std::string& type, const std::string& walk, const std::string& gravity) {
