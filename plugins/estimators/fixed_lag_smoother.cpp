@@ -62,11 +62,11 @@ NavState FixedLagSmoother::predict(std::span<const ImuSample> imu) const {
   return state;
 }
 
-void FixedLagSmoother::start_window(const NavState& state) {
+void FixedLagSmoother::start_window(const NavState& state, double sigma_velocity) {
   constexpr double pose = 0.01;  // [rad], [m]: the world is where the first state is
   Vec15 sigma;
   sigma << initial_.sigma_tilt, initial_.sigma_tilt, pose, Vec3::Constant(pose),
-      Vec3::Constant(std::max(initial_.sigma_velocity, pose)), Vec3::Constant(initial_.sigma_gyro_bias),
+      Vec3::Constant(std::max(sigma_velocity, pose)), Vec3::Constant(initial_.sigma_gyro_bias),
       Vec3::Constant(initial_.sigma_acc_bias);
   window_.start(state, sigma);
 }
@@ -88,20 +88,25 @@ void FixedLagSmoother::smooth(const Preintegration& motion, const Update& found)
     InertialEstimate::of(window_.newest()).put(state_);
     return;
   }
-  // Lost: begin again where the registration stands, with what initialisation knew of the IMU.
+  // Lost: begin again where the registration stands, with what initialisation knew of the IMU. Nobody knows how fast.
   state_.b_w = initial_.state.b_w;
   state_.b_a = initial_.state.b_a;
   if (!plausible(state_)) state_.v.setZero();
-  start_window(state_);
+  constexpr double sigma_velocity = 3.0;  // [m/s] as at a start in motion
+  start_window(state_, std::max(sigma_velocity, initial_.sigma_velocity));
 }
 
 const Update& FixedLagSmoother::update(const Window& window, const HistorySelection& past, const StepContext& context) {
-  if (window_.empty()) start_window(state_);
+  if (window_.empty()) start_window(state_, initial_.sigma_velocity);
   const Update& found = front_->update(window, past, context);
   result_ = found;
   state_ = found.state;
   const Preintegration motion(window.imu, window_.newest().b_w, window_.newest().b_a, params_.window.noise);
-  if (motion.seconds > 0) smooth(motion, found);
+  if (found.restart_map) {
+    window_.clear();  // the front searches its velocity (INI-3): what was found so far was as wrong as that
+  } else if (motion.seconds > 0) {
+    smooth(motion, found);
+  }
   front_->adopt(InertialEstimate::of(state_));
   result_.state = state_;
   result_.states = {&state_, 1};

@@ -36,7 +36,7 @@ class FixedLagSmoother final : public Estimator {
 
  private:
   void smooth(const Preintegration& motion, const Update& found);
-  void start_window(const NavState& state);
+  void start_window(const NavState& state, double sigma_velocity);
   bool plausible(const NavState& state) const;
 
   Params params_;

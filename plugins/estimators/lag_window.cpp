@@ -12,12 +12,15 @@ void LagWindow::clear() {
   terms_.clear();
 }
 
+/// eq. LAG-5
 void LagWindow::start(const NavState& state, const Vec15& sigma) {
   clear();
   nodes_.push_back(state);
-  const Mat15 U = sigma.cwiseInverse().asDiagonal();
+  Mat15 to_world = Mat15::Identity();
+  to_world.topLeftCorner<3, 3>() = state.R;
+  const Mat15 U = sigma.cwiseInverse().asDiagonal() * to_world;
   terms_.push_back(std::make_unique<PriorTerm>(0, state, U, Vec15::Zero()));
-  covariance_ = sigma.cwiseAbs2().asDiagonal();
+  covariance_ = to_world.transpose() * sigma.cwiseAbs2().asDiagonal() * to_world;
 }
 
 void LagWindow::append(const Preintegration& motion, const NavState& guess) {

@@ -22,7 +22,7 @@ class LagWindow {
 
   bool empty() const { return nodes_.empty(); }
   void clear();
-  /// One state, known to `sigma`.
+  /// One state, known to `sigma`: of the attitude, about the axes of the world, whose z is up.
   void start(const NavState& state, const Vec15& sigma);
   /// The next state, `motion` after the newest; `guess` is where it is thought to be. Pre: not empty.
   void append(const Preintegration& motion, const NavState& guess);

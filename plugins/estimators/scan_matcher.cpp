@@ -67,16 +67,16 @@ void ScanMatcher::load(const Window& window, const StepContext& context) {
   }
 }
 
-PoseInformation ScanMatcher::measure(PointMatches& matches, Residual& residual, const Pose& at) {
+ScanMatcher::MatchSum ScanMatcher::measure(PointMatches& matches, Residual& residual, const Pose& at) {
   matches.evaluate(residual, params_.sigma);
   const auto rows = static_cast<std::size_t>(residual.rows_per_match());
   const Mat3 Rt = at.R.transpose();
   const std::size_t n = matches.body.size();
   partials_.resize(exec::Executor::chunk_count(n, kGrain));
   return exec_.reduce(
-      n, kGrain, PoseInformation{}, std::span<PoseInformation>(partials_),
+      n, kGrain, MatchSum{}, std::span<MatchSum>(partials_),
       [&](std::size_t begin, std::size_t end) {
-        PoseInformation out;
+        MatchSum out;
         for (std::size_t i = begin; i < end; ++i) {
           std::size_t used = 0;
           for (std::size_t row = i * rows; row < (i + 1) * rows; ++row) {
@@ -85,11 +85,12 @@ PoseInformation ScanMatcher::measure(PointMatches& matches, Residual& residual, 
             out.add(matches.body[i], Rt, z.J, z.r, z.information);
             ++used;
           }
+          out.rows += used;
           out.accepted -= used > 1 ? used - 1 : 0;  // matches, not rows
         }
         return out;
       },
-      [](PoseInformation& total, const PoseInformation& part) { total += part; });
+      [](MatchSum& total, const MatchSum& part) { total += part; });
 }
 
 /// The projection onto directions whose eigenvalue of J^T W J is not too small. eq. SWP-3
@@ -108,7 +109,7 @@ Mat6 ScanMatcher::held_directions(const Mat6& A) {
 }
 
 /// One step of Gauss-Newton within the directions `held`.
-ScanMatcher::Step ScanMatcher::move(const PoseInformation& sum, const Mat6& held, Pose& end) {
+ScanMatcher::Step ScanMatcher::move(const MatchSum& sum, const Mat6& held, Pose& end) {
   Mat6 A = sum.A;
   A.diagonal().array() += 1e-9 * (1.0 + A.trace());
   const Vec6 step = -held * A.ldlt().solve(sum.b);
@@ -142,7 +143,7 @@ bool ScanMatcher::descend(PointMatches Kind::*points, bool first, Descent& at) {
 }
 
 void ScanMatcher::take(const Descent& at) {
-  last_ = at.sum;
+  last_ = at;
   trajectory_.correct(at.end);
 }
 
@@ -164,12 +165,16 @@ bool ScanMatcher::match_map(const Map& map) {
   return true;
 }
 
-void ScanMatcher::accept(const Pose& end, const PoseInformation& fresh) {
+/// The registration that was taken is the pose, and all that the matches know of it.
+void ScanMatcher::accept() {
+  const Pose& end = last_.end;
   // The kernel bounds matches whose noise nobody knows: the residuals themselves tell it (eq. ICP-3).
   constexpr double least_variance = 1e-6;  // [m^2]
-  const double variance = std::max(least_variance, fresh.squared_sum / static_cast<double>(fresh.accepted));
-  const Mat6 information = fresh.A * (params_.sigma * params_.sigma / variance);
-  result_.spectrum = pose_spectrum(information);
+  const double variance = std::max(least_variance, last_.sum.squared_sum / static_cast<double>(last_.sum.rows));
+  const double scale = params_.sigma * params_.sigma / variance;
+  result_.spectrum = pose_spectrum(scale * last_.sum.A);
+  // A direction that was left as predicted has not been measured (eq. SWP-3).
+  const Mat6 information = scale * (last_.held * last_.sum.A * last_.held);
   result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
   if (uses_imu()) {
     state_ = imu_.correct(prior_, end, information);
@@ -204,7 +209,7 @@ const Update& ScanMatcher::update(const Window& window, const HistorySelection&,
     const bool followed = match_last_sweep();
     const bool matched = map_is_due && match_map(context.map);
     if (matched || followed) {  // or followed the last sweep alone
-      accept(trajectory_.corrected_end(), last_);
+      accept();
     } else {
       refuse(result_.fresh_matches < params_.min_matches ? UpdateStatus::few_matches : UpdateStatus::non_finite);
     }

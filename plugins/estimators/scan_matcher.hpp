@@ -65,11 +65,20 @@ class ScanMatcher final : public Estimator {
   };
   /// What a step of Gauss-Newton was like.
   enum class Step : std::uint8_t { refused, moved, small };
+  /// Normal equations over matches, of which one may have several rows.
+  struct MatchSum : PoseInformation {
+    std::size_t rows = 0;
+    MatchSum& operator+=(const MatchSum& other) {
+      PoseInformation::operator+=(other);
+      rows += other.rows;
+      return *this;
+    }
+  };
   /// A pose on its way down.
   struct Descent {
     Pose end;
     Mat6 held = Mat6::Identity();  ///< directions in which it may move, from the first rows
-    PoseInformation sum = {};      ///< of the last step
+    MatchSum sum = {};             ///< of the last step
     bool settled = false;          ///< new matches would change nothing
   };
 
@@ -81,10 +90,10 @@ class ScanMatcher final : public Estimator {
   bool match_last_sweep();
   void associate_clearest(Kind& kind);
   bool match_map(const Map& map);
-  PoseInformation measure(PointMatches& matches, Residual& residual, const Pose& at);
-  Step move(const PoseInformation& sum, const Mat6& held, Pose& end);
+  MatchSum measure(PointMatches& matches, Residual& residual, const Pose& at);
+  Step move(const MatchSum& sum, const Mat6& held, Pose& end);
   Mat6 held_directions(const Mat6& A);
-  void accept(const Pose& end, const PoseInformation& fresh);
+  void accept();
   void refuse(UpdateStatus status);
   void finish();
   void record_matches();
@@ -102,8 +111,8 @@ class ScanMatcher final : public Estimator {
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
   Frame frame_;
   bool degenerate_ = false, converged_ = false;
-  PoseInformation last_;  ///< fresh rows of the last step taken
-  std::vector<PoseInformation> partials_;
+  Descent last_;  ///< the last that was taken
+  std::vector<MatchSum> partials_;
   std::vector<MatchRecord> records_, own_records_;
   Update result_;
 };

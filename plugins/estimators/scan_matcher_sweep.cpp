@@ -56,6 +56,8 @@ void ScanMatcher::describe(config::Binder& b, Params& p) {
   b.choice("noise", p.imu.noise.kind,
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "prediction: imu: IMU noise, as of ieskf");
+  b.require(p.map_every == 1 || p.sweep_searches > 0, "map_every",
+            "must be 1 with sweep_searches: 0, or nothing is matched in between");
   b.stage("motion", p.imu.motion, "prediction: imu: pose and covariance between updates");
   b.stage("lines", p.lines, "what a match of a point on an edge measures");
   b.stage("planes", p.planes, "what a match of a point on a plane measures");

@@ -24,6 +24,8 @@ void Smoother::reset(const InitialState& initial) {
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
   left_open_ = false;
   dead_reckoning_.forget();
+  for (auto& slice : slices_) spare_.push_back(std::move(slice));  // of another time, perhaps a later one
+  slices_.clear();
   close();
   result_ = Update{};
 }

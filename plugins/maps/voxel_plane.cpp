@@ -22,6 +22,8 @@ constexpr double kLeastAspect = 9;
 /// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels: what is below it is
 /// rounding, and may be negative.
 constexpr double kRounding = 1e-6;
+/// Of so many points the sums err by less than what a LiDAR's noise leaves; of a million, they lose whole points.
+constexpr double kMostPoints = 10000;
 /// Growth of the count that is worth a new fit.
 constexpr double kRefit = 1.1;
 /// Sine of the angle between view and plane below which the side it is seen from is not certain: 6 deg.
@@ -54,8 +56,8 @@ Eigen::Vector3f sum_of(const std::array<std::int16_t, 3>& view) { return Eigen::
 void VoxelPlane::describe(config::Binder& b, Params& p) {
   b.real("voxel", p.voxel, "m", {.min = 0.05, .max = 10.0}, "edge of the coarsest voxels");
   b.integer("levels", p.levels, "", {.min = 1, .max = 6}, "levels; each has half the edge of the one above");
-  b.integer("min_points", p.min_points, "", {.min = 4, .max = 10000}, "points a plane needs");
-  b.integer("max_points", p.max_points, "", {.min = 4, .max = 1e6}, "points after which a voxel is closed");
+  b.integer("min_points", p.min_points, "", {.min = 4, .max = kMostPoints}, "points a plane needs");
+  b.integer("max_points", p.max_points, "", {.min = 4, .max = kMostPoints}, "points after which a voxel is closed");
   b.real("thickness", p.thickness, "m", {.above = 0.0, .max = 1.0},
          "greatest standard deviation of the points across their plane");
   b.real("doubt", p.doubt, "", {.min = 0.0, .max = 1e6},

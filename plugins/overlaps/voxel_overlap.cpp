@@ -62,6 +62,11 @@ VoxelOverlap::VoxelOverlap(const Params& params, LayerMetric metric, std::vector
       occupied_(params.store.make(context)),
       due_(params.store.make(context)) {}
 
+/// What trim() forgets again would be new each time.
+bool VoxelOverlap::counts(const WorldPoint& point, Cell& cell) const {
+  return static_cast<double>(point.range) <= far_ && cell_of(point.p_W, inverse_voxel_, cell);
+}
+
 void VoxelOverlap::choose(std::span<const WorldPoint> points, TimeNs t) {
   older_.clear();
   for (const KnownPoint& known : known_) {
@@ -80,7 +85,7 @@ void VoxelOverlap::choose(std::span<const WorldPoint> points, TimeNs t) {
       scored_.push_back(older_[index]);
       ++next_scored_;
       point_of_.push_back(0);
-    } else if (cell_of(points[index - older_.size()].p_W, inverse_voxel_, cell)) {
+    } else if (counts(points[index - older_.size()], cell)) {
       scored_.push_back(cell);
       point_of_.push_back(index - older_.size());
     }
@@ -92,7 +97,7 @@ void VoxelOverlap::remember(std::span<const WorldPoint> points, TimeNs t) {
   std::erase_if(known_, [&](const KnownPoint& known) { return known.t <= t - frame_length_; });
   for (const WorldPoint& point : points) {
     Cell cell;
-    if (cell_of(point.p_W, inverse_voxel_, cell)) known_.push_back({point.t, cell});
+    if (counts(point, cell)) known_.push_back({point.t, cell});
   }
 }
 
@@ -168,7 +173,7 @@ void VoxelOverlap::extend(std::span<const WorldPoint> points, TimeNs t) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     time = std::clamp(points[i].t, time, t);
     Cell cell;
-    if (!cell_of(points[i].p_W, inverse_voxel_, cell)) continue;
+    if (!counts(points[i], cell)) continue;
     waiting_.reach(time);
     const bool again = recent.repeats(cell), known = found_occupied(i, cell);
     if (!again && !known) waiting_.add(cell);
@@ -187,6 +192,7 @@ void VoxelOverlap::clear() {
   known_.clear();
   layers_.clear();
   trimmed_radius_ = -1;
+  far_ = std::numeric_limits<double>::infinity();
 }
 
 void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
@@ -194,6 +200,7 @@ void VoxelOverlap::trim(const Vec3& centre_W, double radius) {
   if (!centre_W.allFinite() || near) return;
   trimmed_at_ = centre_W;
   trimmed_radius_ = radius;
+  far_ = (1.0 - kTrimStep) * radius;
   const auto clamped = [&](double c) {
     constexpr double limit = kCellRange;
     return static_cast<std::int32_t>(std::clamp(std::floor(c * inverse_voxel_), -limit, limit));

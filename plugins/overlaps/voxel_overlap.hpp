@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include "aslio/config/binder.hpp"
@@ -12,7 +13,8 @@ namespace aslio::plugins {
 /// What hard_voxel and soft_voxel share: O = sum_i beta_i |Q_i| / |f|, where Q_i are the points of the frame whose
 /// cell is i cells from the nearest occupied one (docs/equations.md SOD-1 to SOD-3; AS-LIO (1)-(6)).
 ///
-/// Delay: a point of time s counts in the score of a frame whose middle is s + delay or later. Whole frames would make
+/// Delay: a point of time s counts in the score of a frame, if that is no longer than `delay`, whose middle is
+/// s + delay or later. Whole frames would make
 /// the age of the occupancy jump with the length of frames, and with it the score. Points wait in slices of 5 ms;
 /// advance() and extend() move into the store those that are due at their time, since no later evaluation is earlier.
 /// evaluate() never moves any: it may be a look-ahead whose time the next window does not reach. Slices due only at its
@@ -49,6 +51,7 @@ class VoxelOverlap : public OverlapMetric {
     Cell cell;
   };
   int depth() const { return static_cast<int>(beta_.size()) - 1; }
+  bool counts(const WorldPoint& point, Cell& cell) const;
   void choose(std::span<const WorldPoint> points, TimeNs t);
   /// Did the last evaluation score the point, and find its cell occupied or due? Then it counts from earlier on. To be
   /// asked in order of points, once per evaluation.
@@ -89,6 +92,7 @@ class VoxelOverlap : public OverlapMetric {
   std::vector<std::size_t> unseen_index_;
   Vec3 trimmed_at_ = Vec3::Zero();
   double trimmed_radius_ = -1;
+  double far_ = std::numeric_limits<double>::infinity();  // range of points that trim() would forget again
 };
 
 }  // namespace aslio::plugins

@@ -30,6 +30,7 @@ class ImuRateWindow final : public WindowStrategy {
   std::optional<WindowPlan> next(const StreamView& stream, const Feedback& feedback, OverlapProbe& probe) override;
   TimeNs reach() const override { return frame_length_; }
   bool gives_cuts() const override { return emit_ == Emit::cuts; }
+  bool decides_by_imu() const override { return true; }
 
  private:
   double intensity(const StreamView& stream, TimeNs begin, const NavState& from) const;

@@ -12,7 +12,7 @@ void MotionRateWindow::describe(config::Binder& b, Params& p) {
   b.real("fast_period", p.fast_period, "s", {.min = 1e-3, .max = 10.0}, "time between updates in turns");
   b.real("threshold_deg", p.threshold_deg, "deg/s", {.above = 0.0, .max = 1e5},
          "a gyro sample that turns faster, its bias removed, is a turn");
-  b.real("hold", p.hold, "s", {.min = 0.0, .max = 100.0}, "time after a turn for which updates stay fast");
+  b.real("hold", p.hold, "s", {.min = 0.0, .max = 10.0}, "time after a turn for which updates stay fast");
   b.integer("min_points", p.min_points, "points", {.min = 0, .max = 1e6},
             "with fewer raw points in the sensor's range the time between updates grows, up to frame_length");
   b.require(!p.slow_period || *p.slow_period <= p.frame_length, "slow_period", "must not exceed frame_length");

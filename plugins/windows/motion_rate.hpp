@@ -25,6 +25,7 @@ class MotionRateWindow final : public WindowStrategy {
 
   std::optional<WindowPlan> next(const StreamView& stream, const Feedback& feedback, OverlapProbe& probe) override;
   TimeNs reach() const override;
+  bool decides_by_imu() const override { return true; }
 
  private:
   /// Time of the first sample in (begin, end] that turns faster than the threshold.

@@ -59,6 +59,23 @@ TEST_CASE("check tells everything that is wrong with every file") {
   CHECK(run_aslio({"check", folder / "missing.yaml"}).code == 2);
 }
 
+TEST_CASE("check tells what a scene names and is not there, and goes on to the next file") {
+  const TemporaryFolder folder;
+  const std::string head = "schema: aslio/scene/1\n";
+  write_text(folder / "follows.yaml", head + "follow: {file: gone.tum}\n");
+  write_text(folder / "mesh.yaml", head + "world: {type: mesh, file: gone.ply}\nroute: [{x: 0, y: 0}, {x: 9, y: 0}]\n");
+  write_text(folder / "study.yaml",
+             "schema: aslio/study/1\nquestion: q\nprediction: p\nrule: r\ndatasets: [{scene: follows.yaml}, "
+             "{scene: mesh.yaml}]\nmethods: [{name: m, pipeline: gone.yaml}]\n");
+  const Ended ended =
+      run_aslio({"check", folder / "follows.yaml", folder / "mesh.yaml", folder / "study.yaml", "none.yaml"});
+  INFO(ended.err);
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("follows.yaml:2:") && Contains("gone.tum") && Contains("mesh.yaml:2:") &&
+                            Contains("gone.ply") && Contains("study.yaml:5:") && Contains("gone.yaml") &&
+                            Contains("none.yaml"));
+}
+
 TEST_CASE("check builds the stages of a pipeline, and names file, line, key and remedy of what does not fit") {
   const TemporaryFolder folder;
   const std::string surfaces = "map: {type: voxel_plane}\n", planes = "estimator.residual.planes to 'map'";
@@ -88,6 +105,8 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
        {":4:10: history: 'full' gives points", "'smoother' takes none"}},
       {with(head, "{type: fixed}", "{type: imu_rate, emit: cuts}") + points,
        {":2:9: window: 'imu_rate' names parts", "'ieskf' makes nothing of them", "emit: updates"}},
+      {with(head, "{type: fixed}", "{type: motion_rate}") + "map: voxel_hash\nestimator: icp\n",
+       {":2:9: window: 'motion_rate' decides by IMU data", "'icp' takes none", "choose another window"}},
       {head + "map: {type: feature_maps}\nestimator: scan_matcher\n",
        {":5:11: samplers: none of them tells edges from planes", "'scan_matcher'", "curvature_features"}},
       {with(head, "{type: fixed}", replay) + points,

@@ -32,7 +32,7 @@ void write_dataset(const Bench& bench, const std::string& more = "") {
 TEST_CASE("a dataset stands for input, sensor, reference and section") {
   const Bench bench;
   write_truth(bench / "truth.tum");
-  write_dataset(bench, "reference: ../truth.tum\nstart: 0.25\nduration: 1.25\n");
+  write_dataset(bench, "reference: ../truth.tum\nstart: 0.25\nduration: 1.25\nclosed_loop: true\n");
   REQUIRE(bench.run("plain", {"--reference", bench / "truth.tum", "--start", "0.25", "--duration", "1.25"}).code == 0);
   for (const char* dataset : {"data", "data/dataset.yaml"}) {
     const Ended ended = run_dataset(bench, dataset);
@@ -46,6 +46,16 @@ TEST_CASE("a dataset stands for input, sensor, reference and section") {
     CHECK(manifest.at("input").at("duration_s") == 1.25);
   }
   CHECK(json(bench / "plain/manifest.json").at("dataset").is_null());
+}
+
+TEST_CASE("between the ends of what is no closed loop there is no error") {
+  const Bench bench;
+  write_dataset(bench, "closed_loop: true\n");
+  REQUIRE(run_dataset(bench, "data").code == 0);
+  CHECK(json(bench / "out/summary.json").at("metrics").at("end_to_end_m").is_number());
+  write_dataset(bench, "");
+  REQUIRE(run_dataset(bench, "data").code == 0);
+  CHECK(json(bench / "out/summary.json").at("metrics").at("end_to_end_m").is_null());
 }
 
 TEST_CASE("options override a dataset") {

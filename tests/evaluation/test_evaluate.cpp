@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -158,6 +159,28 @@ TEST_CASE("relative errors of a scale error are that scale times the distance") 
   CHECK(e.end_to_end.error == Approx(0.4));
   options.alignment = Alignment::se3;
   CHECK_THROWS_AS(evaluate(line(1.02), line(1.0), options), DataError);
+}
+
+TEST_CASE("a stop on the way takes no pair away from the relative errors over a distance") {  // eq. EVAL-11
+  // 10 m, a second or more of standing still, 10 m: from every pose up to 5 m before the end.
+  for (const int stop : {0, 10, 100}) {
+    CAPTURE(stop);
+    const auto walk = [stop](double scale) {
+      Trajectory trajectory;
+      for (int i = 0; i <= 200 + stop; ++i) {
+        const int moved = i <= 100 ? i : std::max(100, i - stop);
+        trajectory.append({i * 100 * kMs, {Mat3::Identity(), Vec3(0.1 * scale * moved, 0, 0)}});
+      }
+      return trajectory;
+    };
+    Options options;
+    options.alignment = Alignment::yaw;
+    options.distances = {5.0};
+    const Evaluation e = evaluate(walk(1.02), walk(1.0), options);
+    REQUIRE(e.rpe.size() >= 1);
+    CHECK(e.rpe[0].pairs == static_cast<std::size_t>(151 + stop));
+    CHECK(e.rpe[0].translation_rmse == Approx(0.10));
+  }
 }
 
 TEST_CASE("an estimate that ends early says so") {

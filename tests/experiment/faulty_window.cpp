@@ -15,20 +15,22 @@ using namespace aslio;
 
 class FaultyWindow final : public WindowStrategy {
  public:
-  enum class Fault : std::uint8_t { crash, hang, memory };
+  enum class Fault : std::uint8_t { crash, hang, memory, slow };
   struct Params {
     Fault fault = Fault::crash;
   };
 
   static void describe(config::Binder& b, Params& p) {
-    b.choice("fault", p.fault, {{"crash", Fault::crash}, {"hang", Fault::hang}, {"memory", Fault::memory}},
-             "what happens at the first window");
+    b.choice("fault", p.fault,
+             {{"crash", Fault::crash}, {"hang", Fault::hang}, {"memory", Fault::memory}, {"slow", Fault::slow}},
+             "what happens at the first window, or at every one");
   }
 
   FaultyWindow(const Params& params, const BuildContext&) : fault_(params.fault) {}
 
-  std::optional<WindowPlan> next(const StreamView&, const Feedback&, OverlapProbe&) override {
+  std::optional<WindowPlan> next(const StreamView& stream, const Feedback& feedback, OverlapProbe&) override {
     if (fault_ == Fault::crash) std::abort();
+    if (fault_ == Fault::slow) return tenth(stream, feedback.t);
     // 8 MB at a time, written to; some 40 s to the end where nobody intervenes.
     for (int i = 0; i < 4000; ++i) {
       if (fault_ == Fault::memory) hoard_.emplace_back(8'000'000, 'x');
@@ -40,12 +42,19 @@ class FaultyWindow final : public WindowStrategy {
   TimeNs reach() const override { return kSecond; }
 
  private:
+  static std::optional<WindowPlan> tenth(const StreamView& stream, TimeNs begin) {
+    const TimeNs end = begin + kSecond / 10;
+    if (stream.points_until() < end || stream.imu_until() < end || stream.last_point() <= begin) return std::nullopt;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return WindowPlan{.history_begin = begin, .fresh_begin = begin, .end = end};
+  }
+
   Fault fault_;
   std::vector<std::vector<char>> hoard_;
 };
 
 void register_types(plugin::Catalog& catalog) {
-  plugin::Registry<WindowStrategy>(catalog).add<FaultyWindow>("faulty", "a window that fails in one of three ways");
+  plugin::Registry<WindowStrategy>(catalog).add<FaultyWindow>("faulty", "a window that fails in one of four ways");
 }
 
 }  // namespace

@@ -99,6 +99,23 @@ TEST_CASE("a method that hangs is ended at the time limit") {
   CHECK_THAT(with_limit("2"), Contains("q_1/hang: to run"));
 }
 
+TEST_CASE("a method that is too slow leaves what it had at the time limit, and nothing half-written") {
+  const TemporaryFolder folder;
+  write_text(folder / "study.yaml", head() + quickstart() + faulty("slow") + faulty("hang") + "time_limit: 2\n");
+  const Ended ended = run_aslio(arguments(folder));
+  INFO(ended.err);
+  CHECK_THAT(content(folder / "out/table.md"), Contains("| q_1 | slow | timeout | longer than 2 s |"));
+  const fs::path runs = folder.path() / "out/runs/q_1";
+  CHECK(fs::file_size(runs / "slow/trajectory.tum") > 100);
+  CHECK_THAT(content(runs / "slow/summary.json"), Contains("interrupted"));
+  std::size_t files = 0;
+  for (const auto& at : fs::recursive_directory_iterator(runs)) {
+    CHECK(at.path().extension() != ".part");
+    ++files;
+  }
+  CHECK(files > 8);
+}
+
 TEST_CASE("a simulation that fails is the reason of every run that needed it") {
   const TemporaryFolder folder;
   write_text(folder / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

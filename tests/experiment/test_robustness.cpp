@@ -121,7 +121,7 @@ TEST_CASE("a run that goes wrong in any way is a row with its reason, and the st
   const StudyFiles files;
   const std::vector<std::pair<std::string, std::string>> expected = {
       {"segv", "crashed: ended by signal 11 (Segmentation fault)"},
-      {"hang", "timeout: longer than 2 s"},
+      {"hang", "timeout: longer than 5 s"},
       {"hoard", "memory: more than 200 MB"},
       {"not_a_number", "failed: its summary.json is none (exit code 0)"},
       {"garbage", "failed: its summary.json is none (exit code 0)"},
@@ -134,7 +134,7 @@ TEST_CASE("a run that goes wrong in any way is a row with its reason, and the st
   std::vector<std::string> names;
   for (const auto& [name, outcome] : expected) names.push_back(name);
   const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods(names) +
-                                 "metrics: [ate_m]\ntime_limit: 2\nmemory_limit: 200\n");
+                                 "metrics: [ate_m]\ntime_limit: 5\nmemory_limit: 200\n");
   Quiet monitor;
   const StudyResult result = run_study(study, options(files.folder / "out"), monitor);
   INFO(monitor.lines);

@@ -103,6 +103,11 @@ TEST_CASE("a truncated bag still plays as a source") {
   CHECK(counts.imu < 150);
   CHECK(source->status() == InputStatus::truncated);
   CHECK(contains(source->notes().warnings, "cut short"));
+
+  // What was cut off is nothing that this section lacks.
+  const auto section = open_source(folder / "a.bag", {}, {.start = 0.1, .duration = 0.4});
+  CHECK(drain(*section).imu == 40);
+  CHECK(section->status() == InputStatus::complete);
 }
 
 TEST_CASE("a bag cut inside its first chunk is refused for that, not for a topic that it lacks") {

@@ -18,6 +18,7 @@ class Observer {
   virtual ~Observer() = default;
   virtual void before(const std::string& call) = 0;
   virtual void after(const std::string& call) = 0;
+  virtual void on_evaluate(std::span<const WorldPoint>) {}
   virtual void on_select(const HistorySelection&) {}
   virtual void on_insert(const Window&, const Update&) {}
 };
@@ -44,6 +45,7 @@ class WindowSpy final : public WindowStrategy {
   }
   TimeNs reach() const override { return inner_->reach(); }
   bool gives_cuts() const override { return inner_->gives_cuts(); }
+  bool decides_by_imu() const override { return inner_->decides_by_imu(); }
 
  private:
   std::unique_ptr<WindowStrategy> inner_;
@@ -56,6 +58,7 @@ class OverlapSpy final : public OverlapMetric {
   void advance(TimeNs t) override { inner_->advance(t); }
   OverlapScore evaluate(std::span<const WorldPoint> points, TimeNs t) override {
     const Call call(observer_, "evaluate");
+    observer_.on_evaluate(points);
     return inner_->evaluate(points, t);
   }
   void extend(std::span<const WorldPoint> points, TimeNs t) override {

@@ -144,6 +144,13 @@ TEST_CASE("initialisation: two samples of a 10 Hz IMU are enough, one is not") {
   CHECK_THAT(found->verdict, Contains("over 2 samples"));
   CHECK(found->initial.state.t == kEpoch + to_ns(0.1));
   CHECK_THAT(Start().imu(0, 0.21, 0.103, kUp).run()->verdict, Contains("over 2 samples"));
+  // However they lie about the first point: the first sample alone may reach far enough.
+  for (int shift = 0; shift < 206; ++shift) {
+    CAPTURE(shift);
+    const auto slow = Start(0.001 * shift).imu(0, 1, 0.206, kUp).run();
+    REQUIRE(slow);
+    CHECK_THAT(slow->verdict, Contains("over 2 samples"));
+  }
 }
 
 TEST_CASE("initialisation: waits for a point and for IMU data that reach far enough") {

@@ -181,6 +181,28 @@ TEST_CASE("samplers know what the update before told") {
   CHECK(whole > 20);
 }
 
+TEST_CASE("a look ahead asks for the points that the samplers leave to the overlap") {
+  class Ranges final : public Observer {
+   public:
+    void before(const std::string& call) override { evaluations += call == "evaluate" ? 1 : 0; }
+    void after(const std::string&) override {}
+    void on_evaluate(std::span<const WorldPoint> points) override {
+      for (const WorldPoint& p : points) beyond += p.range > 4.0F ? 1 : 0;
+      scored += points.size();
+    }
+    std::size_t evaluations = 0, beyond = 0, scored = 0;
+  } ranges;
+  const simulator::AnalyticWorld world({.duration_scale = 0.5});
+  const auto source = world.source();
+  const plugin::Catalog catalog = spied(built_in_stages(), ranges);
+  Run run(shipped("as_lio", {"window.lookahead=true", "window.seg_step=0.9", "samplers.0.max=4"}, catalog),
+          world.sensor());
+  run.play(record(*source, world.begin_time() + to_ns(2.0)));
+  CHECK(ranges.evaluations > 2 * run.updates.size());
+  CHECK(ranges.scored > 1000);
+  CHECK(ranges.beyond == 0);
+}
+
 TEST_CASE("a map that has begun anew knows no view") {
   constexpr double known = 0.001;
   const StartInMotion run(

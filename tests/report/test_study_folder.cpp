@@ -91,6 +91,8 @@ TEST_CASE("what is no study is refused with its place") {
   CHECK_THAT(problem(folder.path()), Contains("'fast' is no number"));
   write_text(folder.path() / "results.csv", header + "../../etc,a,1,0,m,ok,,1\n");
   CHECK_THAT(problem(folder.path()), Contains("'../../etc' is no name of a folder"));
+  write_text(folder.path() / "results.csv", header + "a,a,1,x/../../etc,m,ok,,1\n");
+  CHECK_THAT(problem(folder.path()), Contains("'x/../../etc' is no order_seed"));
 }
 
 TEST_CASE("runs without a study are methods over one recording") {
@@ -289,6 +291,24 @@ TEST_CASE("a course is placed in the world of the truth") {
   CHECK(map["voxel"].get<double>() > 0.1);
   CHECK(map_json(study.runs[0], truth, 1000).is_null());
   CHECK(series_json(study.runs.back(), truth).is_null());
+}
+
+TEST_CASE("where the truth tells nothing, no error is drawn") {
+  const Fixture fixture;
+  const StudyFolder study = fixture.study();
+  const DataTruth whole = read_truth(study, "loop_1");
+  const auto all = series_json(study.runs[1], whole);
+  CHECK_FALSE(all["path"].contains("known"));
+  DataTruth half = whole;
+  const auto samples = whole.truth->samples();
+  half.truth = Trajectory({samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2), samples.end()});
+  const auto partly = series_json(study.runs[1], half);
+  CHECK(partly["aligned"] == true);
+  CHECK(partly["path"].contains("known"));
+  const auto drawn = [](const auto& series) {
+    return series["channels"]["error_cm"]["t"].template get<std::string>().size();
+  };
+  CHECK(10 * drawn(partly) < 8 * drawn(all));
 }
 
 TEST_CASE("one update that is far off does not take the resolution of the others") {

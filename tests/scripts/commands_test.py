@@ -36,6 +36,24 @@ class Commands(unittest.TestCase):
         self.assert_refused("--input: no such file", "tools/quickstart", "--input", "gone.bag", "--sensor", "README.md")
         self.assert_refused("--sensor: no such file", "tools/quickstart", "--input", "README.md", "--sensor", "gone.yaml")
 
+    def test_quickstart_does_not_mix_a_recording_with_a_study(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "results.csv").write_text("data\n")
+            self.assert_refused("holds a study", "tools/quickstart", "--scene", "configs/scenes/indoor_1.yaml", "--output", folder)
+
+    def test_sudo_may_ask_on_the_terminal_whatever_the_input_is(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in (("sudo", 'echo "sudo $*"'), ("id", "echo 1000")):
+                pathlib.Path(folder, name).write_text(f"#!/bin/sh\n{text}\n")
+                pathlib.Path(folder, name).chmod(0o755)
+            script = f'cd {ROOT} && . tools/lib/setup.sh && PATH={folder}:$PATH && as_root apt-get update </dev/null 2>/dev/null'
+            said = subprocess.run(["script", "-qec", f"bash -c '{script}'", "/dev/null"], capture_output=True, text=True,
+                                  check=False, stdin=subprocess.DEVNULL, timeout=60)
+            self.assertEqual(said.stdout.strip(), "sudo apt-get update", said.stderr)
+            alone = subprocess.run(["setsid", "--wait", "bash", "-c", script], capture_output=True, text=True, check=False,
+                                   stdin=subprocess.DEVNULL, timeout=60)
+            self.assertEqual(alone.stdout.strip(), "sudo -n apt-get update", alone.stderr)
+
     def test_test_arguments(self):
         self.assert_refused("preset 'release' has no tests", "tools/test", "--preset", "release")
         self.assert_refused("--tally needs a value", "tools/test", "--tally")

@@ -31,6 +31,9 @@ int check(const CheckArguments& a) {
     } catch (const ConfigError& error) {
       complain(error.what());
       code = kWrongUsage;
+    } catch (const DataError& error) {  // what the file names cannot be read
+      complain(error.what());
+      code = kWrongUsage;
     }
   }
   return code;

@@ -2,16 +2,47 @@
 
 #include <fmt/format.h>
 
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/study.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
+#include "aslio/plugin/registry.hpp"
 #include "aslio/simulator/scene.hpp"
 #include "aslio/simulator/version.hpp"
 
 namespace aslio::cli {
+
+namespace {
+
+/// What a scene reads besides, told with its place where it is not there. (Here, not where scenes are loaded: what
+/// changes there makes all simulated data those of another simulator.)
+void require_scene_files(const std::filesystem::path& path, const std::vector<std::string>& texts) {
+  std::vector<config::Override> overrides;
+  for (const std::string& text : texts) overrides.push_back({text});
+  simulator::Scene scene;
+  const auto exists = [&](config::Binder& b, std::string_view key, const std::string& written) {
+    std::error_code ignored;
+    const std::filesystem::path file = path.parent_path() / written;
+    b.require(written.empty() || std::filesystem::exists(file, ignored), key,
+              fmt::format("names a file that does not exist: {}", file.lexically_normal().string()));
+  };
+  const plugin::Catalog no_stages;
+  config::bind_text(config::read_text(path), path.string(), config::FileKind::scene, no_stages, overrides,
+                    [&](config::Binder& b) {
+                      simulator::Scene::describe(b, scene);
+                      exists(b, "follow", scene.follow.file);
+                      exists(b, "world", scene.world.mesh.file);
+                    });
+}
+
+}  // namespace
 
 CheckedFile read_checked(const std::filesystem::path& file, const config::StageLookup& stages) {
   const config::FileKind kind = config::peek_kind(file);
@@ -23,6 +54,7 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
     case config::FileKind::dataset:
       return {kind, experiment::load_dataset(file).resolved};
     case config::FileKind::scene:
+      require_scene_files(file, {});
       return {kind, simulator::load_scene(file).resolved};
     case config::FileKind::study:
       return {kind,
@@ -32,6 +64,7 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
 }
 
 std::string resolve_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides) {
+  require_scene_files(scene, overrides);
   const simulator::SceneFile file = simulator::load_scene(scene, overrides);
   std::string text = fmt::format("{}\nsimulator {}", file.resolved, simulator::sources_digest());
   for (const std::string& read : {file.scene.follow.file, file.scene.world.mesh.file}) {

@@ -92,15 +92,27 @@ int score(const OverlapArguments& a, const CLI::App& app) {
   io::AtomicFile file(a.output);
   file.write(experiment::overlap_series_header());
   Means means;
-  const auto end = experiment::score_overlap(
-      options, stages.catalog,
-      [&](const experiment::OverlapSample& sample) {
-        means.add(sample);
-        file.write(experiment::overlap_series_line(sample));
-      },
-      interrupted);
-  if (end.interrupted) return kInterrupted;
+  std::size_t lines = 0;
+  const auto take = [&](const experiment::OverlapSample& sample) {
+    means.add(sample);
+    file.write(experiment::overlap_series_line(sample));
+    ++lines;
+  };
+  experiment::OverlapSeriesEnd end;
+  try {
+    end = experiment::score_overlap(options, stages.catalog, take, interrupted);
+  } catch (const DataError& error) {
+    if (lines == 0) throw;
+    file.close();
+    throw DataError(fmt::format("{}; {} has the {} frames before", error.what(), a.output, lines));
+  }
+  for (const std::string& warning : end.warnings) complain("warning: " + warning);
+  if (end.interrupted && lines == 0) return kInterrupted;
   file.close();
+  if (end.interrupted) {
+    complain(fmt::format("interrupted: {} has the {} frames before", a.output, lines));
+    return kInterrupted;
+  }
   if (!a.quiet) print(report(a, end, means));
   if (end.truncated) complain(fmt::format("{}: the input ends before its last record does", options.input.string()));
   return end.truncated ? kBadData : kSuccess;

@@ -47,7 +47,7 @@ Recording find_recording(const RecordingArguments& a, const CLI::App& app) {
   Recording recording;
   if (!a.dataset.empty()) {
     const experiment::Dataset dataset = experiment::load_dataset(a.dataset);
-    recording = {dataset.input, dataset.sensor, dataset.file, dataset.reference, dataset.section};
+    recording = {dataset.input, dataset.sensor, dataset.file, dataset.reference, dataset.section, dataset.closed_loop};
   } else {
     recording.input = a.input;
   }

@@ -19,6 +19,7 @@ struct Recording {
   std::filesystem::path input, sensor;
   std::optional<std::filesystem::path> dataset, reference;
   io::Section section;
+  bool closed_loop = true;  ///< unless a dataset says otherwise
 };
 
 void add_recording_options(CLI::App& app, RecordingArguments& a);

@@ -92,6 +92,7 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
   options.dataset = recording.dataset;
   options.reference = recording.reference;
   options.section = recording.section;
+  options.closed_loop = recording.closed_loop;
   if (!a.reference.empty()) options.reference = a.reference;
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;

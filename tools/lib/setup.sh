@@ -31,11 +31,12 @@ missing_packages() {
   listed_packages | grep -vxF "${installed:-none}" || true
 }
 
-# Runs a command as root: directly, or by sudo (which may ask for a password only where somebody can answer).
+# Runs a command as root: directly, or by sudo (which may ask for a password only where somebody can answer: on the
+# terminal, wherever the input comes from).
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then
     "$@"
-  elif [ -t 0 ]; then
+  elif { : </dev/tty; } 2>/dev/null; then
     sudo "$@"
   else
     sudo -n "$@"

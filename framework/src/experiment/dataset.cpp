@@ -82,7 +82,10 @@ void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
   b.text("reference", dataset.reference, "reference trajectory (TUM, T_W_I); empty: none");
   b.real("start", dataset.start, "s", {.min = 0.0, .max = kMostSeconds}, "data to skip");
   b.optional_real("duration", dataset.duration, "s", {.above = 0.0, .max = kMostSeconds}, "to the end", "data to use");
-  b.flag("closed_loop", dataset.closed_loop, "whether the motion ends in the pose in which it begins");
+  b.flag("closed_loop", dataset.closed_loop,
+         "whether the motion ends in the pose in which it begins: of others the distance between both ends is no "
+         "error, and "
+         "end_to_end_m is left out");
   b.require(!dataset.input.empty(), "input", "is required: name the bag, or the folder of the drive");
   b.require(!dataset.sensor.empty(), "sensor",
             "is required: name the sensor file that fits the input (configs/sensors has some)");

@@ -142,6 +142,7 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
     if (!measurement) {
       OverlapSeriesEnd end = scorer.finish();
       end.truncated = source->status() == io::InputStatus::truncated;
+      end.warnings = source->notes().warnings;
       if (end.scored > 0) return end;
       throw DataError(fmt::format("{}: has no pose for any point of {}: name a trajectory of the same recording",
                                   options.trajectory.string(), options.input.string()));
@@ -150,6 +151,7 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   }
   OverlapSeriesEnd end;
   end.interrupted = true;
+  end.warnings = source->notes().warnings;
   return end;
 }
 

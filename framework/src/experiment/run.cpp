@@ -5,8 +5,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
@@ -282,6 +287,19 @@ void mark_failure(Summary& summary, const SummaryCollector& collector, const Tra
   summary.failed_at = failed_after(poses, reference, other);
 }
 
+/// As many of them as can be written; then throws for the first that could not.
+void write_all(const std::vector<std::pair<std::filesystem::path, std::string>>& files) {
+  std::exception_ptr failure;
+  for (const auto& [path, text] : files) {
+    try {
+      write_file(path, text);
+    } catch (const DataError&) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
 }  // namespace
 
 RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMonitor& monitor,
@@ -292,7 +310,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const BuildContext context{executor, sensor, std::move(log), options.order_seed};
   pipeline::Odometry odometry(prepared.pipeline.value, context, pipeline::build_stages(prepared.pipeline, context));
   refuse_to_overwrite_inputs(options);
-  const auto outputs = open_outputs(options, sensor);
+  std::unique_ptr<RunOutputs> outputs = open_outputs(options, sensor);
   remove_stale(options);
 
   Manifest manifest;
@@ -310,8 +328,10 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const bool whole = !outcome.interrupted && !outcome.failure && !outcome.divergence;
   loop.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time(),
                         to_ns(prepared.pipeline.value.limits.max_gap));
+  if (!options.closed_loop) summary.end_to_end_m.reset();
   gather(summary, odometry, *source);
   loop.close_outputs(outcome);
+  outputs.reset();  // what could not be written makes room for what says so
   summary.cpu_s = process_cpu_seconds() - cpu_start;
   summary.wall_s = seconds_since(start);
   summary.peak_rss_mb = peak_rss_mb();
@@ -327,9 +347,9 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     if (std::find(told.begin(), told.end(), warning) == told.end()) result.late_warnings.push_back(warning);
   }
 
-  write_file(options.output / "resolved.yaml", prepared.pipeline.resolved);
-  write_file(options.output / "manifest.json", to_json(manifest, options));
-  write_file(options.output / "summary.json", to_json(summary));
+  write_all({{options.output / "resolved.yaml", prepared.pipeline.resolved},
+             {options.output / "manifest.json", to_json(manifest, options)},
+             {options.output / "summary.json", to_json(summary)}});
   return result;
 }
 

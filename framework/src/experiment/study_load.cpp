@@ -212,6 +212,8 @@ class Reader {
       }
     } catch (const ConfigError& error) {
       add_problems(place("datasets", index, "scene"), "", error.what());
+    } catch (const DataError& error) {  // what the scene names
+      add_problems(place("datasets", index, "scene"), "", error.what());
     }
   }
 

@@ -19,6 +19,8 @@ namespace aslio::experiment {
 
 namespace {
 
+constexpr double kTimeToEnd = 3;  ///< from the time limit to the end of one that does not end by itself [s]
+
 /// Resident memory [MB]; 0 when the process is gone.
 double resident_mb(pid_t id) {
   std::ifstream statm(fmt::format("/proc/{}/statm", id));
@@ -125,10 +127,12 @@ std::optional<ChildEnd> ChildProcess::poll() {
     end.wall_s = wall_s();
     return end;
   }
-  if (limit_) return std::nullopt;
-  if (wall_s() > limits_.time_s) limit_ = ChildEnd::Cause::time_limit;
+  if (!limit_ && wall_s() > limits_.time_s) {
+    limit_ = ChildEnd::Cause::time_limit;
+    interrupt();  // to write what it has
+  }
   if (resident_mb(id_) > limits_.memory_mb) limit_ = ChildEnd::Cause::memory_limit;
-  if (limit_) kill();
+  if (limit_ == ChildEnd::Cause::memory_limit || wall_s() > limits_.time_s + kTimeToEnd) kill();
   return std::nullopt;
 }
 

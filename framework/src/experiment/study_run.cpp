@@ -49,6 +49,16 @@ void remove_leftovers(const fs::path& folder, const std::string& begin) {
   for (const fs::path& leftover : found) fs::remove_all(leftover, error);
 }
 
+/// Files that a child which was killed had not finished.
+void remove_parts(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> parts;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    if (at->path().extension() == ".part") parts.push_back(at->path());
+  }
+  for (const fs::path& part : parts) fs::remove(part, error);
+}
+
 /// Empty when there is none.
 std::string read_text(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -340,6 +350,7 @@ class Schedule {
       if (!result_.interrupted) stop();
       return;
     }
+    remove_parts(ended.folder);
     const fs::path manifest = ended.folder / "manifest.json";
     write_file(manifest, study_manifest(read_text(manifest), study_.data[ended.data], ended.command,
                                         options_.program.substr(0, options_.program.find('\n'))));

@@ -135,6 +135,7 @@ class BagSource final : public MeasurementSource {
         return Measurement(std::move(*packet));
       }
     }
+    section_ended_ = until_ != kTimeMax && std::min(newest_imu_, newest_lidar_) >= until_;
     conclude();
     return std::nullopt;
   }
@@ -144,7 +145,8 @@ class BagSource final : public MeasurementSource {
     judge_all_imu();
   }
 
-  InputStatus status() const override { return reader_.status(); }
+  /// What is cut off behind the section is nothing that was asked for.
+  InputStatus status() const override { return section_ended_ ? InputStatus::complete : reader_.status(); }
   const SourceNotes& notes() const override { return notes_; }
   std::optional<TimeNs> begin_time() const override { return begin_; }
   std::optional<TimeNs> end_time() const override { return end_; }
@@ -274,6 +276,7 @@ class BagSource final : public MeasurementSource {
   decode::ImuUnits units_;
   SourceNotes notes_;
   TimeNs begin_ = 0, end_ = 0, from_ = kTimeMin, until_ = kTimeMax;
+  bool section_ended_ = false;  ///< all of it has been read
   TimeNs newest_imu_ = kTimeMin, newest_lidar_ = kTimeMin;
   std::uint32_t sweeps_ = 0;
   std::size_t reader_warnings_ = 0;

@@ -199,6 +199,8 @@ class LivoxDecoder final : public LidarDecoder {
   std::vector<Offsets> judged_;  ///< those of the messages that tell
 };
 
+/// Judges the times of a PointCloud2 topic by the first clouds that agree. One alone may be cut off by the start of its
+/// driver, or damaged.
 class CloudDecoder final : public LidarDecoder {
  public:
   CloudDecoder(const SensorConfig& sensor, std::string where)
@@ -212,30 +214,27 @@ class CloudDecoder final : public LidarDecoder {
     decode::CloudView view;
     bool systematic = false;
     if (const std::string why = parse_cloud(message, view, systematic); !why.empty()) {
-      throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where_, why));
+      if (systematic) throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where_, why));
+      if (malformed_.empty()) malformed_ = why;
+      return false;
     }
     LidarPacket packet;
     rule_.time = {};
     decode_cloud(view, rule_, packet);
     constexpr std::size_t kEnough = 10;
     if (packet.points.size() < kEnough) return false;
-    rule_.time = judge_cloud_times(view, sweep_period_);
-    if (rule_.time.known) {
-      notes.verdicts.push_back("lidar point times: " + rule_.time.verdict);
-      return true;
-    }
-    if (require_times_) {
-      throw DataError(
-          fmt::format("{}: the time of the points cannot be known: {}; record with per-point times, check "
-                      "`sweep_period`, or set `require_point_times: false` to go without motion correction",
-                      where_, rule_.time.verdict));
-    }
-    notes.warnings.push_back(
-        fmt::format("{}: {}: all points take the header stamp, no motion correction", where_, rule_.time.verdict));
+    judged_.push_back(judge_cloud_times(view, sweep_period_));
+    const bool told = like(judged_.back()) >= kAgreeing || judged_.size() >= kMostJudged;
+    if (!told && view.table.time.present()) return false;
+    decide(notes);
     return true;
   }
 
   void assume(SourceNotes& notes) override {
+    if (!judged_.empty()) return decide(notes);
+    if (!malformed_.empty()) {
+      throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where_, malformed_));
+    }
     notes.warnings.push_back(fmt::format("{}: no message has returns; nothing to judge point times by", where_));
   }
 
@@ -247,7 +246,39 @@ class CloudDecoder final : public LidarDecoder {
   }
 
  private:
-  std::string where_;
+  static constexpr std::ptrdiff_t kAgreeing = 3;  ///< clouds of one verdict that decide
+  static constexpr std::size_t kMostJudged = 10;  ///< and where they do not agree, the most of so many
+
+  /// How many clouds say the same.
+  std::ptrdiff_t like(const decode::CloudTimeRule& rule) const {
+    const auto same = [&](const decode::CloudTimeRule& other) {
+      return rule.known && other.known && rule.to_ns == other.to_ns && rule.absolute == other.absolute;
+    };
+    return std::count_if(judged_.begin(), judged_.end(), same);
+  }
+
+  void decide(SourceNotes& notes) {
+    const auto known = [](const decode::CloudTimeRule& rule) { return rule.known; };
+    const auto less = [this](const auto& a, const auto& b) { return like(a) < like(b); };
+    const bool most_known = 2 * std::count_if(judged_.begin(), judged_.end(), known) >= std::ssize(judged_);
+    rule_.time = most_known ? *std::max_element(judged_.begin(), judged_.end(), less)
+                            : *std::find_if_not(judged_.begin(), judged_.end(), known);
+    if (rule_.time.known) {
+      notes.verdicts.push_back("lidar point times: " + rule_.time.verdict);
+      return;
+    }
+    if (require_times_) {
+      throw DataError(
+          fmt::format("{}: the time of the points cannot be known: {}; record with per-point times, check "
+                      "`sweep_period`, or set `require_point_times: false` to go without motion correction",
+                      where_, rule_.time.verdict));
+    }
+    notes.warnings.push_back(
+        fmt::format("{}: {}: all points take the header stamp, no motion correction", where_, rule_.time.verdict));
+  }
+
+  std::string where_, malformed_;  ///< malformed_: why the first such message cannot be decoded
+  std::vector<decode::CloudTimeRule> judged_;
   bool require_times_;
   double sweep_period_;
   decode::CloudRule rule_;

@@ -14,7 +14,7 @@ struct Averages {
 };
 Averages average(std::span<const ImuSample> samples);
 
-/// The samples of [begin, end] until they reach over `time` [s] and to `until`. Empty while they do not.
+/// The samples of [begin, end], two at least, until they reach over `time` [s] and to `until`. Empty while they do not.
 std::span<const ImuSample> samples_over(const stream::MeasurementStream& stream, TimeNs begin, TimeNs end, double time,
                                         TimeNs until);
 

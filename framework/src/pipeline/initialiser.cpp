@@ -66,11 +66,12 @@ Averages average(std::span<const ImuSample> samples) {
 std::span<const ImuSample> samples_over(const stream::MeasurementStream& stream, TimeNs begin, TimeNs end, double time,
                                         TimeNs until) {
   const auto samples = stream.imu(begin - 1, end);
-  const auto enough = std::find_if(samples.begin(), samples.end(),
+  if (samples.empty()) return {};
+  // From the second on: the first of a slow IMU may reach that far alone.
+  const auto enough = std::find_if(samples.begin() + 1, samples.end(),
                                    [&](const ImuSample& s) { return s.t >= begin + to_ns(time) && s.t >= until; });
   if (enough == samples.end()) return {};
-  const auto used = samples.first(static_cast<std::size_t>(enough - samples.begin()) + 1);
-  return used.size() < 2 ? std::span<const ImuSample>{} : used;
+  return samples.first(static_cast<std::size_t>(enough - samples.begin()) + 1);
 }
 
 bool is_at_rest(const Averages& mean, const InitialisationParams& params) {

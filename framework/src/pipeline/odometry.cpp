@@ -164,7 +164,7 @@ class Odometry::Loop {
 
   void take(StageSet stages) {
     stages_ = std::move(stages);
-    probe_.emplace(stream_, *stages_.estimator, *stages_.overlap, sensor_);
+    probe_.emplace(stream_, *stages_.estimator, stages_.samplers, *stages_.overlap, sensor_);
   }
 
   void begin(const InitialState& initial) {
@@ -279,6 +279,7 @@ Odometry::~Odometry() = default;
 void Odometry::add_observer(UpdateObserver& observer) { loop_->observers_.push_back(&observer); }
 
 void Odometry::push(Measurement&& measurement) {
+  if (loop_->has_ended()) return;  // it would only pile up
   if (auto* packet = std::get_if<LidarPacket>(&measurement)) {
     loop_->stream_.push(std::move(*packet));
   } else {

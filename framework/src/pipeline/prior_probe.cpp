@@ -22,16 +22,19 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   const auto raw = stream_.points(from.t, t);
   const std::size_t taken = std::min(raw.size(), kMostPoints);
   const double span = to_seconds(t - from.t);
+  chosen_.clear();
   OneOfEachRun choice(taken, raw.size(), 0);
-  for (std::size_t k = 0; k < taken; ++k) {
-    const std::size_t i = choice.next();
-    const TimedPoint& p = raw[i];
+  for (std::size_t k = 0; k < taken; ++k) chosen_.push_back(raw[choice.next()]);
+  taps_.assign(chosen_.size(), mask(Tap::overlap));
+  SampleBatch batch{chosen_, {}, taps_};
+  samplers_.sample(Sampler::ActsOn::raw, batch);
+  for (std::size_t k = 0; k < chosen_.size(); ++k) {
+    if (taps_[k] == 0) continue;
+    const TimedPoint& p = chosen_[k];
     const Vec3 p_L(p.x, p.y, p.z);
-    const double range = p_L.norm();
-    if (range < sensor_.min_range || range > sensor_.max_range) continue;
     const Pose T = interpolate(begin, end, to_seconds(p.t - from.t) / span);
-    points_.push_back({T * (sensor_.T_imu_lidar * p_L), p.t, static_cast<float>(range), p.intensity,
-                       static_cast<std::uint32_t>(i), p.line, p.feature});
+    points_.push_back({T * (sensor_.T_imu_lidar * p_L), p.t, static_cast<float>(p_L.norm()), p.intensity,
+                       static_cast<std::uint32_t>(k), p.line, p.feature});
   }
   return overlap_.evaluate(points_, t);
 }

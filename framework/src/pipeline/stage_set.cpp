@@ -39,6 +39,11 @@ void require_input(const PipelineConfig& config, const StageSet& stages, bool ha
                                            "estimator that smooths over the parts (smoother)",
                                            config.window.type(), estimator));
   }
+  if (stages.window && stages.window->decides_by_imu() && !stages.estimator->uses_imu()) {
+    throw StageError("window", fmt::format("window: '{}' decides by IMU data, and estimator '{}' takes none, so that "
+                                           "none are kept: choose another window, or an estimator that takes them",
+                                           config.window.type(), estimator));
+  }
   if (has_samplers && stages.estimator->uses_features() && !stages.samplers.gives_features()) {
     throw StageError("samplers",
                      fmt::format("samplers: none of them tells edges from planes, and estimator '{}' matches nothing "

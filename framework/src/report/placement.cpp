@@ -1,5 +1,7 @@
 #include "placement.hpp"
 
+#include <limits>
+
 #include "aslio/core/errors.hpp"
 #include "aslio/evaluation/evaluation.hpp"
 #include "aslio/experiment/measure.hpp"
@@ -32,11 +34,11 @@ std::optional<Placed> place(const FolderRun& run, const DataTruth& truth) {
     const auto options = experiment::measuring_options(*truth.truth, evaluation::Rule::interpolated);
     out.T_truth_run = alignment_of(Trajectory(out.poses), *truth.truth, options);
     out.aligned = true;
-    Vec3 error = Vec3::Zero();
+    const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     for (StampedPose& pose : out.poses) {
       pose.T = out.T_truth_run * pose.T;
-      if (const auto at = truth.truth->pose(pose.t, to_ns(options.max_reference_gap))) error = pose.T.p - at->p;
-      out.errors.push_back(error);
+      const auto at = truth.truth->pose(pose.t, to_ns(options.max_reference_gap));
+      out.errors.push_back(at ? Vec3(pose.T.p - at->p) : unknown);
     }
   } catch (const DataError& error) {
     if (out.poses.empty()) out.unreadable = error.what();

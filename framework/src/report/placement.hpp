@@ -11,7 +11,7 @@ namespace aslio::report {
 
 struct Placed {
   std::vector<StampedPose> poses;
-  std::vector<Vec3> errors;  ///< position less truth [m], by pose; empty without truth. Held where the truth has a gap
+  std::vector<Vec3> errors;  ///< position less truth [m], by pose; NaN where the truth tells none, empty without truth
   Pose T_truth_run;          ///< identity without truth
   bool aligned = false;
   std::string unreadable;  ///< why there are no poses although there is a file

@@ -85,7 +85,8 @@ void put_rotation(std::vector<std::uint8_t>& bytes, const Mat3& R) {
   }
 }
 
-/// Positions within kPathTolerance, with orientations, and errors where there are any.
+/// Positions within kPathTolerance, with orientations, and errors where there are any (`known`: 1 at each that has one,
+/// where some have none).
 Json path_json(std::span<const StampedPose> poses, TimeNs origin, const std::vector<Vec3>& errors) {
   std::array<std::vector<double>, 4> all;
   for (const StampedPose& pose : poses) {
@@ -94,17 +95,21 @@ Json path_json(std::span<const StampedPose> poses, TimeNs origin, const std::vec
   }
   std::vector<double> t;
   std::vector<Vec3> positions, kept_errors;
-  std::vector<std::uint8_t> rotations;
+  std::vector<std::uint8_t> rotations, known;
   for (const std::uint32_t i : decimated(all[0], all[1], all[2], all[3], kPathTolerance)) {
     t.push_back(all[0][i]);
     positions.push_back(poses[i].T.p);
-    if (!errors.empty()) kept_errors.push_back(errors[i]);
+    if (!errors.empty()) {
+      known.push_back(errors[i].allFinite() ? 1 : 0);
+      kept_errors.push_back(errors[i].allFinite() ? errors[i] : Vec3(Vec3::Zero()));
+    }
     put_rotation(rotations, poses[i].T.R);
   }
   Json json = {{"t", packed_numbers(t, kTimeUnit)}};
   put_vectors(json, {"x", "y", "z"}, positions, kLengthUnit);
   json["q"] = base64(rotations);
   if (!errors.empty()) put_vectors(json, {"dx", "dy", "dz"}, kept_errors, kErrorUnit);
+  if (std::find(known.begin(), known.end(), 0) != known.end()) json["known"] = base64(known);
   return json;
 }
 

@@ -55,6 +55,14 @@ const std::string& component(const std::string& name, const std::string& where) 
   return name;
 }
 
+/// A part of the name of a folder, too.
+const std::string& digits(const std::string& number, const std::string& where) {
+  if (number.find_first_not_of("0123456789") != std::string::npos) {
+    throw DataError(fmt::format("{}: '{}' is no order_seed", where, number.substr(0, 60)));
+  }
+  return number;
+}
+
 struct Header {
   std::size_t status = 0;
 };
@@ -77,7 +85,7 @@ FolderRun run_of(const std::vector<std::string>& cells, const Header& header, co
   FolderRun run{.data = component(cells[0], where),
                 .sequence = cells[1],
                 .seed = cells[2],
-                .order_seed = cells[3],
+                .order_seed = digits(cells[3], where),
                 .method = component(cells[4], where),
                 .axes = {},
                 .status = cells[header.status],

@@ -51,6 +51,19 @@ TEST_CASE("fixed_lag_smoother: a state that no vehicle has starts it anew") {
   }
 }
 
+TEST_CASE("fixed_lag_smoother: begun anew, it does not vouch for the velocity of a start at rest") {
+  const TurningRoom motion{.drift = Vec3(2.5, 0.8, 0)};
+  Filter filter({smoother(", max_bias: 0.5, sigma_position: 0.01")}, 0.05);
+  filter.build_map(1);
+  for (std::uint32_t k = 0; k < 8; ++k) {
+    const Update& update = filter.update(RoomWindow(kRoomEpoch + k * kTenth, kTenth, motion, k + 2));
+    REQUIRE(update.accepted);
+  }
+  // Held at 0.05 m/s, the motion would become a bias beyond max_bias, again and again.
+  CHECK((filter.estimator->state().v - motion.drift).norm() < 0.2);
+  CHECK(filter.estimator->state().b_a.norm() < 0.3);
+}
+
 TEST_CASE("fixed_lag_smoother predicts with what it has found") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.4), .drift = Vec3(0.4, 0.2, 0)};
   Filter filter({smoother("")}, 3.0);

@@ -251,6 +251,21 @@ TEST_CASE("what has left the lag counts on: the newest state is that of all stat
   }
 }
 
+TEST_CASE("tilt and heading of a start are those of the world, however the sensor is mounted") {  // eq. LAG-5
+  NavState start;
+  start.g = Vec3(0, 0, -9.81);
+  start.R = exp_so3(Vec3(0, 1.5, 0)) * exp_so3(Vec3(0.3, 0, 0));  // its x points down, nearly
+  Vec15 sigma = start_sigma();
+  sigma.head<3>() = Vec3(0.05, 0.05, 0.001);
+  LagWindow window(LagWindow::Params{});
+  window.start(start, sigma);
+  const auto in_world = [&] { return Mat3(start.R * window.covariance().topLeftCorner<3, 3>() * start.R.transpose()); };
+  const Mat3 expected = Vec3(0.0025, 0.0025, 1e-6).asDiagonal();
+  CHECK((in_world() - expected).norm() < 1e-12);
+  REQUIRE(window.solve());  // and so say the rows
+  CHECK((in_world() - expected).norm() < 1e-9);
+}
+
 TEST_CASE("a registration that left a direction open hardly counts") {
   const Walk walk(1);
   Vec3 found[2];

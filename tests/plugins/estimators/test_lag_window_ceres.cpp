@@ -73,7 +73,9 @@ void add(ceres::Problem& problem, const StateTerm& term, const Chain& chain, std
 
 Solution by_ceres(const Chain& chain, const LagWindow::Params& params) {
   std::vector<std::unique_ptr<StateTerm>> terms;
-  const Mat15 U = chain.sigma.cwiseInverse().asDiagonal();
+  Mat15 to_world = Mat15::Identity();
+  to_world.topLeftCorner<3, 3>() = chain.guess[0].R;
+  const Mat15 U = chain.sigma.cwiseInverse().asDiagonal() * to_world;
   terms.push_back(std::make_unique<PriorTerm>(0, chain.guess[0], U, Vec15::Zero()));
   for (int k = 0; k < kWindows; ++k) {
     const auto at = static_cast<std::size_t>(k);

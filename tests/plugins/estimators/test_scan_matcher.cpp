@@ -139,7 +139,13 @@ TEST_CASE("scan_matcher: a direction that nothing holds keeps the prediction, an
     CHECK(std::abs(update.state.p.x()) < 0.01);  // nothing says that it moves along
     CHECK(update.state.p.y() == Approx(aside.at(sweep.window.plan.end - kTenth).p.y()).margin(0.02));
     CHECK(update.P(3, 3) > 20 * update.P(4, 4));
+    CHECK(update.P(3, 3) > 1.0);  // a filter that takes it for measured would vouch for its own prediction
   }
+}
+
+TEST_CASE("scan_matcher refuses to match nothing in between") {
+  CHECK_THROWS_WITH(Filter({"estimator={type: scan_matcher, map_every: 4, sweep_searches: 0}"}),
+                    Catch::Matchers::Contains("map_every") && Catch::Matchers::Contains("sweep_searches"));
 }
 
 TEST_CASE("scan_matcher refuses a residual that takes surfaces from the map") {

@@ -45,6 +45,7 @@ class RandomWindows {
     update.overlap_points = others_;
     update.accepted = !one_in(6);
     update.insert = update.accepted || one_in(3);
+    if (w.sequence > 2) update.status = update.accepted ? UpdateStatus::ok : UpdateStatus::few_matches;
     update.prior.p = Vec3(0.8 * w.sequence + unit(), unit(), unit());
     update.state = update.prior;
     if (update.accepted) update.state.p += 0.1 * Vec3(unit(), unit(), unit());

@@ -144,10 +144,21 @@ TEST_CASE("voxel_plane: a clump or a line is no plane, whatever the rounding say
   }
 }
 
+TEST_CASE("voxel_plane: sums of the most points a voxel may have are still exact enough for its plane") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, thickness: 0.003, max_points: 10000}");
+  REQUIRE(planes.floor(0, 1, 0.6, 10000) == 10000);
+  const Surface found = planes.at_point({0.5, 0.5, 0.6});
+  REQUIRE(found.valid);
+  // Less than what 2 cm of noise would leave of so many points: 2e-4 m, 7e-4 rad. One height for all of them rounds to
+  // the same side every time.
+  CHECK(std::abs(found.anchor.z() - 0.6) < 1e-4);
+  CHECK(Vec3(found.normal.x(), found.normal.y(), 0).norm() < 6e-4);
+}
+
 TEST_CASE("voxel_plane: parameters out of range are refused") {
   EveryMap fixture;
   for (const char* wrong : {"thickness: 0", "thickness: -0.02", "doubt: -1", "min_points: 3", "voxel: -0.5",
-                            "levels: 0", "radius: 0", "max_points: 5, min_points: 10"}) {
+                            "levels: 0", "radius: 0", "max_points: 5, min_points: 10", "max_points: 10001"}) {
     CAPTURE(wrong);
     CHECK_THROWS_AS(fixture.make("{type: voxel_plane, " + std::string(wrong) + "}"), ConfigError);
   }

@@ -92,7 +92,7 @@ TEST_CASE("voxel_plane: every voxel has the plane that is fitted to all its poin
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     CAPTURE(seed);
     const auto map =
-        fixture.make("{type: voxel_plane, voxel: 1, levels: 2, min_points: 10, max_points: 100000, thickness: 0.03}");
+        fixture.make("{type: voxel_plane, voxel: 1, levels: 2, min_points: 10, max_points: 10000, thickness: 0.03}");
     Uniform uniform(seed);
     const Points first = draw(uniform, 40);
     // Three times as many where points lay, so that every voxel is fitted again.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <initializer_list>
 #include <random>
 
 #include "aslio/core/errors.hpp"
@@ -313,4 +314,31 @@ TEST_CASE("soft overlap refuses parameters that contradict each other, naming th
                                           context) != nullptr);
   REQUIRE(test::make_stage<OverlapMetric>(catalog, "{type: soft_voxel, margin_m: 0.7, metric: euclid}", context) !=
           nullptr);
+}
+
+TEST_CASE("what trimming would forget on the way is neither new nor known, again and again") {
+  test::BuildEnvironment environment;
+  SoftVoxel soft(plain<SoftVoxel::Params>(), environment.context());
+  HardVoxel hard(plain<HardVoxel::Params>(), environment.context());
+  const auto seen_from = [](double x) {  // half of it at 10 m, half of it 93 m away
+    auto frame = cloud(1000, 1.0, 4);
+    for (std::size_t i = 0; i < frame.size(); ++i) {
+      frame[i].p_W.x() += i % 2 == 0 ? 10 : 93;
+      frame[i].range = static_cast<float>((frame[i].p_W - Vec3(x, 0, 0)).norm());
+    }
+    return frame;
+  };
+  for (OverlapMetric* metric : std::initializer_list<OverlapMetric*>{&soft, &hard}) {
+    for (int k = 0; k <= 25; ++k) {
+      const auto frame = seen_from(-k);
+      const OverlapScore score = metric->evaluate(frame, k * kSecond);
+      if (k > 0) {
+        CAPTURE(k);
+        REQUIRE(score.value == 1.0);
+        REQUIRE(score.points == 500);
+      }
+      metric->extend(frame, k * kSecond);
+      metric->trim(Vec3(-k, 0, 0), 100.0);
+    }
+  }
 }

@@ -35,7 +35,7 @@ export function channelOf(packed) {
   return packed && {t: unpack(packed.t, TIME_UNIT), v: unpack(packed.v, packed.unit)};
 }
 
-/** {t, x, y, z, q, dx, dy, dz, e}: a trajectory; errors only where there is truth. */
+/** {t, x, y, z, q, dx, dy, dz, e}: a trajectory; errors only where there is truth, e is NaN at poses that have none. */
 export function pathOf(packed) {
   if (!packed) return null;
   const path = {t: unpack(packed.t, TIME_UNIT)};
@@ -43,7 +43,8 @@ export function pathOf(packed) {
   path.q = new Int8Array(bytesOf(packed.q).buffer);
   if (packed.dx) {
     for (const name of ['dx', 'dy', 'dz']) path[name] = unpack(packed[name], ERROR_UNIT);
-    path.e = path.t.map((_, i) => Math.hypot(path.dx[i], path.dy[i], path.dz[i]));
+    const known = packed.known && bytesOf(packed.known);
+    path.e = path.t.map((_, i) => (known && !known[i] ? NaN : Math.hypot(path.dx[i], path.dy[i], path.dz[i])));
   }
   return path;
 }

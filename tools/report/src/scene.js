@@ -39,7 +39,7 @@ function placed(path, i, times, out) {
 }
 
 function quantile(values, q) {
-  const sorted = Float64Array.from(values).sort();
+  const sorted = Float64Array.from(values).filter(Number.isFinite).sort();
   return sorted.length ? sorted[Math.floor(q * (sorted.length - 1))] : 0;
 }
 
@@ -175,7 +175,7 @@ export class SpaceView {
     const own = new Color(run.colour), [low, high] = this.legend ?? [0, 1];
     const shade = new Color();
     const pick = (i) => {
-      if (colour === 'error' && path.e) return shade.setRGB(...ramp((path.e[i] - low) / (high - low)), 'srgb');
+      if (colour === 'error' && Number.isFinite(path.e?.[i])) return shade.setRGB(...ramp((path.e[i] - low) / (high - low)), 'srgb');
       if (colour === 'height') return shade.setRGB(...ramp((path.z[i] - low) / (high - low)), 'srgb');
       return own;
     };

@@ -37,6 +37,7 @@ struct OverlapSeriesEnd {
   std::size_t frames = 0, scored = 0;
   std::size_t points_without_pose = 0;
   bool interrupted = false, truncated = false;
+  std::vector<std::string> warnings;  ///< of the reader
 };
 
 /// Points outside the sensor's range, or at times without a pose, are left out. Throws ConfigError for a configuration

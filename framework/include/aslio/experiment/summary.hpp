@@ -54,7 +54,7 @@ struct Summary {
   double wall_s = 0;  ///< the same in wall-clock time
   double data_s = 0;  ///< from the first to the last point read
   double peak_rss_mb = 0;
-  std::optional<double> end_to_end_m;                ///< distance between the first and the last position
+  std::optional<double> end_to_end_m;  ///< distance between the first and the last position, of a closed loop
   std::optional<evaluation::Evaluation> evaluation;  ///< against the reference, when there is one
   std::optional<double> failed_at;                   ///< share of the reference's path, of failed_after()
   std::string evaluation_error;                      ///< why there is none although there is a reference

@@ -44,7 +44,7 @@ class Odometry {
   ~Odometry();
 
   void add_observer(UpdateObserver& observer);
-  /// Takes a measurement and runs every update that has become possible.
+  /// Takes a measurement and runs every update that has become possible. Nothing once has_ended().
   void push(Measurement&& measurement);
   /// The source has ended: runs what is left.
   void finish();

@@ -10,7 +10,8 @@
 namespace aslio {
 
 /// Contract. evaluate() scores points in the world frame against the occupancy as it stood `delay` before the middle of
-/// their time, which is from the last extend() to `t`, so that the score does not depend on how much time that is. It
+/// their time, which is from the last extend() to `t`, so that the score does not depend on how much time that is (of
+/// frames no longer than `delay`; against longer ones it may be down to 3/4 `delay`, eq. SOD-3). It
 /// is called after alignment and BEFORE extend() of the same points (overlap measured after the merge is always ~1).
 /// Undefined (no value) while that occupancy is empty or with fewer than the metric's minimum of points; non-finite
 /// points are not counted. Invariants: 0 <= O <= 1, sum(layers) <= points, and O = 1 iff every point is at layer 0.
@@ -27,7 +28,8 @@ class OverlapMetric : public Stage {
   /// a time outside those of its frame is taken as the nearer end.
   virtual void extend(std::span<const WorldPoint> points, TimeNs t) = 0;
   /// Forget what lies farther than `radius` [m] from `centre_W`; amortised: what lies farther may stay until
-  /// the centre has moved by a tenth of the radius, and in the corners of the cube around it.
+  /// the centre has moved by a tenth of the radius, and in the corners of the cube around it. So a metric
+  /// may leave out points whose range is beyond nine tenths of the radius: they would be forgotten on the way.
   virtual void trim(const Vec3& centre_W, double radius) = 0;
   /// Forgets everything, as if nothing had been extended.
   virtual void clear() = 0;

@@ -94,6 +94,8 @@ class WindowStrategy : public Stage {
   virtual TimeNs reach() const = 0;
   /// Whether its plans name cuts: of use to an estimator that takes them (Estimator::uses_cuts).
   virtual bool gives_cuts() const { return false; }
+  /// Whether IMU data decide when it updates: nothing does where the estimator takes none (Estimator::uses_imu).
+  virtual bool decides_by_imu() const { return false; }
 };
 
 /// The cut made by a plan: what an estimator works on. Spans stay valid until the stream is next extended.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "wire.hpp"
 
@@ -129,17 +131,35 @@ void each_point(const CloudView& view, Visit&& visit) {
   }
 }
 
-Extent time_extent(const CloudView& view) {
-  Extent extent;
+/// Of all returns, and of their middle nine tenths, which damage of a few leaves alone.
+std::array<Extent, 2> time_extents(const CloudView& view) {
+  std::vector<double> times;
   each_point(view, [&](const std::uint8_t* point) {
     const auto p = position(point, view.table);
     const double t = scalar(point, view.table.time);
-    if (!is_return(p[0], p[1], p[2]) || !std::isfinite(t)) return;
-    extent.low = extent.count == 0 ? t : std::min(extent.low, t);
-    extent.high = extent.count == 0 ? t : std::max(extent.high, t);
-    ++extent.count;
+    if (is_return(p[0], p[1], p[2]) && std::isfinite(t)) times.push_back(t);
   });
-  return extent;
+  if (times.empty()) return {};
+  std::sort(times.begin(), times.end());
+  const std::size_t rim = times.size() / 20;
+  return {Extent{times.front(), times.back(), times.size()},
+          Extent{times[rim], times[times.size() - 1 - rim], times.size()}};
+}
+
+// Units differ by 1000, the admissible spans by 30: at most one unit fits.
+struct Unit {
+  std::string_view name;
+  double seconds, to_ns;
+};
+constexpr std::array<Unit, 4> kUnits{{{"s", 1, 1e9}, {"ms", 1e-3, 1e6}, {"us", 1e-6, 1e3}, {"ns", 1e-9, 1}}};
+
+/// nullptr: none in which such a span is that of a sweep.
+const Unit* unit_of(double span, double sweep_period) {
+  const auto fits = [&](const Unit& unit) {
+    return span * unit.seconds > 0.1 * sweep_period && span * unit.seconds < 3.0 * sweep_period;
+  };
+  const auto found = std::find_if(kUnits.begin(), kUnits.end(), fits);
+  return found == kUnits.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -194,24 +214,17 @@ CloudTimeRule judge_cloud_times(const CloudView& view, double sweep_period) {
         "there is no time field (t, time, time_stamp, timestamp, timestamps, offset_time) among: {}", table.all_names);
     return rule;
   }
-  const Extent extent = time_extent(view);
+  const auto [all, middle] = time_extents(view);
   const std::string field = fmt::format("field '{}' ({})", table.time_name, kNames[table.time.datatype]);
-  const double span = extent.high - extent.low;
+  const double span = all.high - all.low;
   if (span <= 0) {
-    rule.verdict = fmt::format("{} is {} in all {} points", field, extent.low, extent.count);
+    rule.verdict = fmt::format("{} is {} in all {} points", field, all.low, all.count);
     return rule;
   }
-  // Units differ by 1000, the admissible spans by 30: at most one unit fits.
-  struct Unit {
-    std::string_view name;
-    double seconds, to_ns;
-  };
-  constexpr std::array<Unit, 4> kUnits{{{"s", 1, 1e9}, {"ms", 1e-3, 1e6}, {"us", 1e-6, 1e3}, {"ns", 1e-9, 1}}};
-  const auto fits = [&](const Unit& unit) {
-    return span * unit.seconds > 0.1 * sweep_period && span * unit.seconds < 3.0 * sweep_period;
-  };
-  const auto unit = std::find_if(kUnits.begin(), kUnits.end(), fits);
-  if (unit == kUnits.end()) {
+  const Unit* unit = unit_of(span, sweep_period);
+  const Extent& extent = unit != nullptr ? all : middle;
+  if (unit == nullptr) unit = unit_of(middle.high - middle.low, sweep_period);
+  if (unit == nullptr) {
     rule.verdict =
         fmt::format("{} spans {:.6g}, which is a sweep of {} s in none of s, ms, us, ns", field, span, sweep_period);
     return rule;
