@@ -143,6 +143,8 @@ bool ScanMatcher::descend(PointMatches Kind::*points, bool first, Descent& at) {
 }
 
 void ScanMatcher::take(const Descent& at) {
+  if (moved_) before_ = last_;
+  moved_ = true;
   last_ = at;
   trajectory_.correct(at.end);
 }
@@ -165,16 +167,26 @@ bool ScanMatcher::match_map(const Map& map) {
   return true;
 }
 
-/// The registration that was taken is the pose, and all that the matches know of it.
+/// What a registration knows in the directions in which it may move. The kernel bounds matches whose noise nobody
+/// knows: the residuals themselves tell it (eq. ICP-3).
+Mat6 ScanMatcher::measured(const Descent& at) const {
+  constexpr double least_variance = 1e-6;  // [m^2]
+  const double variance = std::max(least_variance, at.sum.squared_sum / static_cast<double>(at.sum.rows));
+  return params_.sigma * params_.sigma / variance * (at.held * at.sum.A * at.held);
+}
+
+/// The registration that was taken is the pose, and what holds it is what is known of it.
 void ScanMatcher::accept() {
   const Pose& end = last_.end;
-  // The kernel bounds matches whose noise nobody knows: the residuals themselves tell it (eq. ICP-3).
-  constexpr double least_variance = 1e-6;  // [m^2]
-  const double variance = std::max(least_variance, last_.sum.squared_sum / static_cast<double>(last_.sum.rows));
-  const double scale = params_.sigma * params_.sigma / variance;
-  result_.spectrum = pose_spectrum(scale * last_.sum.A);
-  // A direction that was left as predicted has not been measured (eq. SWP-3).
-  const Mat6 information = scale * (last_.held * last_.sum.A * last_.held);
+  Descent whole = last_;
+  whole.held.setIdentity();
+  result_.spectrum = pose_spectrum(measured(whole));
+  // A direction that was left as predicted has not been measured (eq. SWP-3), unless the last sweep has held it.
+  Mat6 information = measured(last_);
+  if (before_) {
+    const Mat6 rest = Mat6::Identity() - last_.held;
+    information += rest * measured(*before_) * rest;
+  }
   result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
   if (uses_imu()) {
     state_ = imu_.correct(prior_, end, information);
@@ -198,6 +210,8 @@ void ScanMatcher::refuse(UpdateStatus status) {
 
 const Update& ScanMatcher::update(const Window& window, const HistorySelection&, const StepContext& context) {
   result_ = Update{};
+  before_.reset();
+  moved_ = false;
   propagate(window);
   result_.prior = state_;
   load(window, context);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "estimators/constant_twist.hpp"
@@ -93,6 +95,7 @@ class ScanMatcher final : public Estimator {
   MatchSum measure(PointMatches& matches, Residual& residual, const Pose& at);
   Step move(const MatchSum& sum, const Mat6& held, Pose& end);
   Mat6 held_directions(const Mat6& A);
+  Mat6 measured(const Descent& at) const;
   void accept();
   void refuse(UpdateStatus status);
   void finish();
@@ -110,8 +113,9 @@ class ScanMatcher final : public Estimator {
   NavState prior_;
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
   Frame frame_;
-  bool degenerate_ = false, converged_ = false;
-  Descent last_;  ///< the last that was taken
+  bool degenerate_ = false, converged_ = false, moved_ = false;
+  Descent last_;                   ///< the last that was taken
+  std::optional<Descent> before_;  ///< that against the last sweep, where the map was matched after it
   std::vector<MatchSum> partials_;
   std::vector<MatchRecord> records_, own_records_;
   Update result_;

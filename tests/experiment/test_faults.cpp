@@ -86,6 +86,7 @@ TEST_CASE("a method that hangs is ended at the time limit") {
   INFO(ended.err);
   CHECK(ended.code == 1);
   CHECK_THAT(content(folder / "out/table.md"), Contains("| q_1 | hang | timeout | longer than 1 s |"));
+  for (const auto& at : fs::recursive_directory_iterator(folder / "out/runs")) CHECK(at.path().extension() != ".part");
 
   // It is made again where it has more time, and only there.
   std::vector<std::string> dry = arguments(folder);
@@ -101,10 +102,10 @@ TEST_CASE("a method that hangs is ended at the time limit") {
 
 TEST_CASE("a method that is too slow leaves what it had at the time limit, and nothing half-written") {
   const TemporaryFolder folder;
-  write_text(folder / "study.yaml", head() + quickstart() + faulty("slow") + faulty("hang") + "time_limit: 2\n");
+  write_text(folder / "study.yaml", head() + quickstart() + faulty("slow") + "time_limit: 6\n");
   const Ended ended = run_aslio(arguments(folder));
   INFO(ended.err);
-  CHECK_THAT(content(folder / "out/table.md"), Contains("| q_1 | slow | timeout | longer than 2 s |"));
+  CHECK_THAT(content(folder / "out/table.md"), Contains("| q_1 | slow | timeout | longer than 6 s |"));
   const fs::path runs = folder.path() / "out/runs/q_1";
   CHECK(fs::file_size(runs / "slow/trajectory.tum") > 100);
   CHECK_THAT(content(runs / "slow/summary.json"), Contains("interrupted"));
@@ -113,7 +114,7 @@ TEST_CASE("a method that is too slow leaves what it had at the time limit, and n
     CHECK(at.path().extension() != ".part");
     ++files;
   }
-  CHECK(files > 8);
+  CHECK(files > 4);
 }
 
 TEST_CASE("a simulation that fails is the reason of every run that needed it") {

@@ -263,6 +263,13 @@ TEST_CASE("a first cloud that is cut off, malformed, or has a damaged time does 
          return cloud.message(stamp);
        },
        5},
+      {"one time of 12 s, a sweep in ms",
+       [&](TimeNs stamp) {
+         Cloud cloud = sweep(0);
+         cloud.put(7, 18, 12.0F);
+         return cloud.message(stamp);
+       },
+       5},
       {"malformed",
        [&](TimeNs stamp) {
          auto message = sweep(0).message(stamp);
@@ -280,6 +287,10 @@ TEST_CASE("a first cloud that is cut off, malformed, or has a damaged time does 
     const auto source = open_source(folder / "a.bag", {});
     CHECK(contains(source->notes().verdicts, ", s, relative to the header stamp"));
     CHECK(drain(*source).packets == static_cast<std::size_t>(one.packets));
+    if (one.packets < 5) continue;
+    recording.seconds = 0.2;  // two clouds
+    recording.write(folder / "b.bag");
+    CHECK(contains(open_source(folder / "b.bag", {})->notes().verdicts, ", s, relative to the header stamp"));
   }
 }
 

@@ -31,12 +31,20 @@ missing_packages() {
   listed_packages | grep -vxF "${installed:-none}" || true
 }
 
+# Is there a terminal, and are we in front? In the background a question would stop us without a word.
+can_ask() {
+  local group front
+  { : </dev/tty; } 2>/dev/null || return 1
+  read -r _ _ _ _ group _ _ front _ <"/proc/$$/stat"
+  [ "$group" = "$front" ]
+}
+
 # Runs a command as root: directly, or by sudo (which may ask for a password only where somebody can answer: on the
 # terminal, wherever the input comes from).
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then
     "$@"
-  elif { : </dev/tty; } 2>/dev/null; then
+  elif can_ask; then
     sudo "$@"
   else
     sudo -n "$@"

@@ -347,9 +347,10 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     if (std::find(told.begin(), told.end(), warning) == told.end()) result.late_warnings.push_back(warning);
   }
 
-  write_all({{options.output / "resolved.yaml", prepared.pipeline.resolved},
-             {options.output / "manifest.json", to_json(manifest, options)},
-             {options.output / "summary.json", to_json(summary)}});
+  // The summary first: where the disk has room for one file, it says why.
+  write_all({{options.output / "summary.json", to_json(summary)},
+             {options.output / "resolved.yaml", prepared.pipeline.resolved},
+             {options.output / "manifest.json", to_json(manifest, options)}});
   return result;
 }
 

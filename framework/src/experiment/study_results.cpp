@@ -125,6 +125,8 @@ std::optional<StudyOutcome> read_summary_outcome(const fs::path& folder) {
 
 StudyRow read_row(const fs::path& folder, const StudyOutcome& outcome) {
   StudyRow row{.outcome = outcome, .figures = {}};
+  // What it got to before a limit depends on the machine.
+  if (outcome.limit) return row;
   const auto json = read_json(folder / "summary.json");
   if (!json) return row;
   const auto add = [&row](const std::string& name, std::optional<double> value) {

@@ -20,21 +20,23 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   const Pose begin = from.pose();
   const Pose end = estimator_.predict(imu_).pose();
   const auto raw = stream_.points(from.t, t);
-  const std::size_t taken = std::min(raw.size(), kMostPoints);
-  const double span = to_seconds(t - from.t);
-  chosen_.clear();
-  OneOfEachRun choice(taken, raw.size(), 0);
-  for (std::size_t k = 0; k < taken; ++k) chosen_.push_back(raw[choice.next()]);
-  taps_.assign(chosen_.size(), mask(Tap::overlap));
-  SampleBatch batch{chosen_, {}, taps_};
+  taps_.assign(raw.size(), mask(Tap::overlap));
+  SampleBatch batch{raw, {}, taps_};
   samplers_.sample(Sampler::ActsOn::raw, batch);
-  for (std::size_t k = 0; k < chosen_.size(); ++k) {
-    if (taps_[k] == 0) continue;
-    const TimedPoint& p = chosen_[k];
+  left_.clear();
+  for (std::uint32_t i = 0; i < raw.size(); ++i) {
+    if (taps_[i] != 0) left_.push_back(i);
+  }
+  const std::size_t taken = std::min(left_.size(), kMostPoints);
+  const double span = to_seconds(t - from.t);
+  OneOfEachRun choice(taken, left_.size(), 0);
+  for (std::size_t k = 0; k < taken; ++k) {
+    const std::uint32_t i = left_[choice.next()];
+    const TimedPoint& p = raw[i];
     const Vec3 p_L(p.x, p.y, p.z);
     const Pose T = interpolate(begin, end, to_seconds(p.t - from.t) / span);
-    points_.push_back({T * (sensor_.T_imu_lidar * p_L), p.t, static_cast<float>(p_L.norm()), p.intensity,
-                       static_cast<std::uint32_t>(k), p.line, p.feature});
+    points_.push_back(
+        {T * (sensor_.T_imu_lidar * p_L), p.t, static_cast<float>(p_L.norm()), p.intensity, i, p.line, p.feature});
   }
   return overlap_.evaluate(points_, t);
 }

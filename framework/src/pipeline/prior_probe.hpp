@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "aslio/core/sensor.hpp"
@@ -27,8 +28,8 @@ class PriorProbe final : public OverlapProbe {
   OverlapMetric& overlap_;
   SensorModel sensor_;
   std::vector<ImuSample> imu_;
-  std::vector<TimedPoint> chosen_;
   std::vector<TapMask> taps_;
+  std::vector<std::uint32_t> left_;
   std::vector<WorldPoint> points_;
 };
 

@@ -96,12 +96,15 @@ Json path_json(std::span<const StampedPose> poses, TimeNs origin, const std::vec
   std::vector<double> t;
   std::vector<Vec3> positions, kept_errors;
   std::vector<std::uint8_t> rotations, known;
+  Vec3 held = Vec3::Zero();
   for (const std::uint32_t i : decimated(all[0], all[1], all[2], all[3], kPathTolerance)) {
     t.push_back(all[0][i]);
     positions.push_back(poses[i].T.p);
     if (!errors.empty()) {
       known.push_back(errors[i].allFinite() ? 1 : 0);
-      kept_errors.push_back(errors[i].allFinite() ? errors[i] : Vec3(Vec3::Zero()));
+      // Held, where there is none: drawn larger, the path should not jump there.
+      if (errors[i].allFinite()) held = errors[i];
+      kept_errors.push_back(held);
     }
     put_rotation(rotations, poses[i].T.R);
   }

@@ -221,9 +221,10 @@ CloudTimeRule judge_cloud_times(const CloudView& view, double sweep_period) {
     rule.verdict = fmt::format("{} is {} in all {} points", field, all.low, all.count);
     return rule;
   }
-  const Unit* unit = unit_of(span, sweep_period);
-  const Extent& extent = unit != nullptr ? all : middle;
-  if (unit == nullptr) unit = unit_of(middle.high - middle.low, sweep_period);
+  // A few damaged times may make the span that of a sweep in another unit.
+  const Unit* unit = unit_of(middle.high - middle.low, sweep_period);
+  const Extent& extent = unit == nullptr || unit_of(span, sweep_period) == unit ? all : middle;
+  if (unit == nullptr) unit = unit_of(span, sweep_period);
   if (unit == nullptr) {
     rule.verdict =
         fmt::format("{} spans {:.6g}, which is a sweep of {} s in none of s, ms, us, ns", field, span, sweep_period);
