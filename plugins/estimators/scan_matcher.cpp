@@ -143,8 +143,7 @@ bool ScanMatcher::descend(PointMatches Kind::*points, bool first, Descent& at) {
 }
 
 void ScanMatcher::take(const Descent& at) {
-  if (moved_) before_ = last_;
-  moved_ = true;
+  before_ = last_;
   last_ = at;
   trajectory_.correct(at.end);
 }
@@ -177,14 +176,14 @@ Mat6 ScanMatcher::measured(const Descent& at) const {
 
 /// The registration that was taken is the pose, and what holds it is what is known of it.
 void ScanMatcher::accept() {
-  const Pose& end = last_.end;
-  Descent whole = last_;
+  const Pose& end = last_->end;
+  Descent whole = *last_;
   whole.held.setIdentity();
   result_.spectrum = pose_spectrum(measured(whole));
   // A direction that was left as predicted has not been measured (eq. SWP-3), unless the last sweep has held it.
-  Mat6 information = measured(last_);
+  Mat6 information = measured(*last_);
   if (before_) {
-    const Mat6 rest = Mat6::Identity() - last_.held;
+    const Mat6 rest = Mat6::Identity() - last_->held;
     information += rest * measured(*before_) * rest;
   }
   result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
@@ -210,8 +209,7 @@ void ScanMatcher::refuse(UpdateStatus status) {
 
 const Update& ScanMatcher::update(const Window& window, const HistorySelection&, const StepContext& context) {
   result_ = Update{};
-  before_.reset();
-  moved_ = false;
+  last_.reset();
   propagate(window);
   result_.prior = state_;
   load(window, context);

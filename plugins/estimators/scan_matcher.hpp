@@ -113,9 +113,9 @@ class ScanMatcher final : public Estimator {
   NavState prior_;
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
   Frame frame_;
-  bool degenerate_ = false, converged_ = false, moved_ = false;
-  Descent last_;                   ///< the last that was taken
-  std::optional<Descent> before_;  ///< that against the last sweep, where the map was matched after it
+  bool degenerate_ = false, converged_ = false;
+  std::optional<Descent> last_,
+      before_;  ///< of this window, taken: the last, and that against the last sweep before it
   std::vector<MatchSum> partials_;
   std::vector<MatchRecord> records_, own_records_;
   Update result_;

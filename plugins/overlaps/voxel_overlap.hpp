@@ -14,9 +14,9 @@ namespace aslio::plugins {
 /// cell is i cells from the nearest occupied one (docs/equations.md SOD-1 to SOD-3; AS-LIO (1)-(6)).
 ///
 /// Delay: a point of time s counts in the score of a frame, if that is no longer than `delay`, whose middle is
-/// s + delay or later. Whole frames would make
-/// the age of the occupancy jump with the length of frames, and with it the score. Points wait in slices of 5 ms;
-/// advance() and extend() move into the store those that are due at their time, since no later evaluation is earlier.
+/// s + delay or later. Whole frames would make the age of the occupancy jump with the length of frames, and with it the
+/// score. Points wait in slices of 5 ms; advance() and extend() move into the store those that are due at their time,
+/// since no later evaluation is earlier.
 /// evaluate() never moves any: it may be a look-ahead whose time the next window does not reach. Slices due only at its
 /// time are scored through a second, small store. What an evaluation found occupied, extend() need not learn again.
 class VoxelOverlap : public OverlapMetric {

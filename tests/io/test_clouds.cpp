@@ -249,6 +249,13 @@ TEST_CASE("a first cloud that is cut off, malformed, or has a damaged time does 
     std::function<std::vector<std::uint8_t>(TimeNs stamp)> first;
     int packets;
   };
+  const auto damaged = [&](float time) {
+    return [&sweep, time](TimeNs stamp) {
+      Cloud cloud = sweep(0);
+      cloud.put(7, 18, time);
+      return cloud.message(stamp);
+    };
+  };
   const std::vector<Case> cases{
       {"cut off",
        [](TimeNs stamp) {
@@ -256,20 +263,8 @@ TEST_CASE("a first cloud that is cut off, malformed, or has a damaged time does 
          return with_f32_time([](int i) { return 0.09F + 1e-4F * static_cast<float>(i); }).message(stamp);
        },
        5},
-      {"one time of 5 s",
-       [&](TimeNs stamp) {
-         Cloud cloud = sweep(0);
-         cloud.put(7, 18, 5.0F);
-         return cloud.message(stamp);
-       },
-       5},
-      {"one time of 12 s, a sweep in ms",
-       [&](TimeNs stamp) {
-         Cloud cloud = sweep(0);
-         cloud.put(7, 18, 12.0F);
-         return cloud.message(stamp);
-       },
-       5},
+      {"one time of 5 s", damaged(5.0F), 5},
+      {"one time of 12 s, a sweep in ms", damaged(12.0F), 5},
       {"malformed",
        [&](TimeNs stamp) {
          auto message = sweep(0).message(stamp);

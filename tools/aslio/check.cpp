@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <stdexcept>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/pipeline/stage_set.hpp"
@@ -28,10 +29,7 @@ int check(const CheckArguments& a) {
             config::load<pipeline::PipelineConfig>(file, config::FileKind::pipeline, stages.catalog));
       }
       print(fmt::format("{}: ok ({})\n", file, config::name(read.kind)));
-    } catch (const ConfigError& error) {
-      complain(error.what());
-      code = kWrongUsage;
-    } catch (const DataError& error) {  // what the file names cannot be read
+    } catch (const std::runtime_error& error) {  // of the file, or of what it names
       complain(error.what());
       code = kWrongUsage;
     }

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "aslio/config/load.hpp"
+#include "aslio/config/named_paths.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
@@ -27,18 +27,13 @@ void require_scene_files(const std::filesystem::path& path, const std::vector<st
   std::vector<config::Override> overrides;
   for (const std::string& text : texts) overrides.push_back({text});
   simulator::Scene scene;
-  const auto exists = [&](config::Binder& b, std::string_view key, const std::string& written) {
-    std::error_code ignored;
-    const std::filesystem::path file = path.parent_path() / written;
-    b.require(written.empty() || std::filesystem::exists(file, ignored), key,
-              fmt::format("names a file that does not exist: {}", file.lexically_normal().string()));
-  };
+  const config::NamedPaths paths(path.parent_path());
   const plugin::Catalog no_stages;
   config::bind_text(config::read_text(path), path.string(), config::FileKind::scene, no_stages, overrides,
                     [&](config::Binder& b) {
                       simulator::Scene::describe(b, scene);
-                      exists(b, "follow", scene.follow.file);
-                      exists(b, "world", scene.world.mesh.file);
+                      paths.require(b, "follow", scene.follow.file, config::NamedPaths::Wanted::file);
+                      paths.require(b, "world", scene.world.mesh.file, config::NamedPaths::Wanted::file);
                     });
 }
 

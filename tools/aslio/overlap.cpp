@@ -106,11 +106,11 @@ int score(const OverlapArguments& a, const CLI::App& app) {
     file.close();
     throw DataError(fmt::format("{}; {} has the {} frames before", error.what(), a.output, lines));
   }
-  for (const std::string& warning : end.warnings) complain("warning: " + warning);
+  for (const std::string& warning : end.warnings) tell("warning: " + warning);
   if (end.interrupted && lines == 0) return kInterrupted;
   file.close();
   if (end.interrupted) {
-    complain(fmt::format("interrupted: {} has the {} frames before", a.output, lines));
+    tell(fmt::format("interrupted: {} has the {} frames before", a.output, lines));
     return kInterrupted;
   }
   if (!a.quiet) print(report(a, end, means));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "aslio/config/load.hpp"
+#include "aslio/config/named_paths.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/plugin/registry.hpp"
 
@@ -16,42 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMostSeconds = 1e9;  // some 30 years; in nanoseconds it still fits
-
-enum class Wanted : std::uint8_t { file, file_or_folder };
-
-/// What is wrong with a path that is named in the file; empty: nothing.
-std::string trouble(const fs::path& path, Wanted wanted) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) {
-    return fmt::format("does not exist: {} (paths are relative to the folder of this file)", path.string());
-  }
-  if (status.type() == fs::file_type::none)
-    return fmt::format("cannot be reached: {}: {}", path.string(), error.message());
-  const bool folder = fs::is_directory(status);
-  if (wanted == Wanted::file && folder) return fmt::format("is a folder: {} (name a file)", path.string());
-  if (!folder && !fs::is_regular_file(status)) {
-    return fmt::format("is no regular file: {} (pipes and devices cannot be read twice)", path.string());
-  }
-  return {};
-}
-
-/// The checks that need the folder of the file.
-class Paths {
- public:
-  explicit Paths(fs::path folder) : folder_(std::move(folder)) {}
-
-  fs::path at(const std::string& written) const { return (folder_ / written).lexically_normal(); }
-
-  void require(config::Binder& b, std::string_view key, const std::string& written, Wanted wanted) const {
-    if (written.empty()) return;  // whether it has to be there is for DatasetConfig::describe() to say
-    const std::string wrong = trouble(at(written), wanted);
-    b.require(wrong.empty(), key, wrong);
-  }
-
- private:
-  fs::path folder_;
-};
 
 /// The file that stands for `path`.
 fs::path dataset_file(const fs::path& path) {
@@ -83,9 +48,8 @@ void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
   b.real("start", dataset.start, "s", {.min = 0.0, .max = kMostSeconds}, "data to skip");
   b.optional_real("duration", dataset.duration, "s", {.above = 0.0, .max = kMostSeconds}, "to the end", "data to use");
   b.flag("closed_loop", dataset.closed_loop,
-         "whether the motion ends in the pose in which it begins: of others the distance between both ends is no "
-         "error, and "
-         "end_to_end_m is left out");
+         "whether the motion ends in the pose in which it begins; of others end_to_end_m is left out: the distance "
+         "between their ends is no error");
   b.require(!dataset.input.empty(), "input", "is required: name the bag, or the folder of the drive");
   b.require(!dataset.sensor.empty(), "sensor",
             "is required: name the sensor file that fits the input (configs/sensors has some)");
@@ -94,17 +58,18 @@ void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
 Dataset load_dataset(const fs::path& path) {
   Dataset dataset;
   dataset.file = dataset_file(path);
-  const Paths paths(dataset.file.parent_path());
+  const config::NamedPaths paths(dataset.file.parent_path());
   DatasetConfig config;
-  dataset.resolved = config::bind_text(config::read_text(dataset.file), dataset.file.string(),
-                                       config::FileKind::dataset, plugin::Catalog(), {},
-                                       [&](config::Binder& b) {
-                                         DatasetConfig::describe(b, config);
-                                         paths.require(b, "input", config.input, Wanted::file_or_folder);
-                                         paths.require(b, "sensor", config.sensor, Wanted::file);
-                                         paths.require(b, "reference", config.reference, Wanted::file);
-                                       })
-                         .resolved;
+  dataset.resolved =
+      config::bind_text(config::read_text(dataset.file), dataset.file.string(), config::FileKind::dataset,
+                        plugin::Catalog(), {},
+                        [&](config::Binder& b) {
+                          DatasetConfig::describe(b, config);
+                          paths.require(b, "input", config.input, config::NamedPaths::Wanted::file_or_folder);
+                          paths.require(b, "sensor", config.sensor, config::NamedPaths::Wanted::file);
+                          paths.require(b, "reference", config.reference, config::NamedPaths::Wanted::file);
+                        })
+          .resolved;
   dataset.name = config.name.empty() ? default_name(dataset.file) : config.name;
   dataset.description = config.description;
   dataset.input = paths.at(config.input);

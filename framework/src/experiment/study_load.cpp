@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "aslio/config/document.hpp"
@@ -210,9 +211,7 @@ class Reader {
         data.identity = sha256_of(fmt::format("scene\n{}\nseed {}\nscale {}\n", resolved, seed, data.scale));
         add_named(data, index);
       }
-    } catch (const ConfigError& error) {
-      add_problems(place("datasets", index, "scene"), "", error.what());
-    } catch (const DataError& error) {  // what the scene names
+    } catch (const std::runtime_error& error) {  // of the scene, or of what it names
       add_problems(place("datasets", index, "scene"), "", error.what());
     }
   }

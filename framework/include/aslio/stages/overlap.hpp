@@ -11,11 +11,11 @@ namespace aslio {
 
 /// Contract. evaluate() scores points in the world frame against the occupancy as it stood `delay` before the middle of
 /// their time, which is from the last extend() to `t`, so that the score does not depend on how much time that is (of
-/// frames no longer than `delay`; against longer ones it may be down to 3/4 `delay`, eq. SOD-3). It
-/// is called after alignment and BEFORE extend() of the same points (overlap measured after the merge is always ~1).
-/// Undefined (no value) while that occupancy is empty or with fewer than the metric's minimum of points; non-finite
-/// points are not counted. Invariants: 0 <= O <= 1, sum(layers) <= points, and O = 1 iff every point is at layer 0.
-/// evaluate() does not change any later score. Not thread-safe. No allocation in evaluate() after warm-up.
+/// frames no longer than `delay`; against longer ones it may be down to 3/4 `delay`, eq. SOD-3). It is called after
+/// alignment and BEFORE extend() of the same points (overlap measured after the merge is always ~1). Undefined (no
+/// value) while that occupancy is empty or with fewer than the metric's minimum of points; non-finite points are not
+/// counted. Invariants: 0 <= O <= 1, sum(layers) <= points, and O = 1 iff every point is at layer 0. evaluate() does
+/// not change any later score. Not thread-safe. No allocation in evaluate() after warm-up.
 class OverlapMetric : public Stage {
  public:
   static constexpr std::string_view family = "overlaps";
