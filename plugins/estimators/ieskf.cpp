@@ -45,6 +45,7 @@ void Ieskf::reset(const InitialState& initial) {
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
   dead_reckoning_.forget();
+  carried_.clear();
   left_open_ = false;
   result_ = Update{};
 }
@@ -132,8 +133,10 @@ void Ieskf::load_history(const HistorySelection& past) {
   history_.body.resize(n);
   history_.range.resize(n);
   history_.weight.resize(n);
+  std::size_t slice = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    history_.body[i] = I_from_W * past.points[i].p_W;  // eq. HIS-1: seen from the prior, then held fixed
+    const Vec3 p_W = carried_.place(past.points[i].t, past.points[i].p_W, slice);
+    history_.body[i] = I_from_W * p_W;  // eq. HIS-1: seen from the prior, then held fixed
     history_.range[i] = past.points[i].range;
     history_.weight[i] = past.points[i].age_weight;
   }
@@ -431,6 +434,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
   reserve(frame_.match_body().size(), past.points.size());
   load_fresh();
+  carried_.forget(plan_.history_begin);
   load_history(past);
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
   if (finite && context.map.size() == 0) {
@@ -480,6 +484,9 @@ void Ieskf::finish(bool predicted) {
   result_.overlap_points = frame_.world(Tap::overlap);
   result_.map_points = frame_.world(Tap::map);
   result_.match_points = frame_.world(Tap::match);
+  if (!params_.carry) return;
+  carried_.follow(result_, plan_);  // eq. IESKF-12
+  result_.revision = &carried_;
 }
 
 }  // namespace aslio::plugins

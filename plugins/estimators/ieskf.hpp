@@ -5,6 +5,7 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
+#include "estimators/carried_points.hpp"
 #include "estimators/dead_reckoning.hpp"
 #include "estimators/frame.hpp"
 #include "estimators/imu_noise.hpp"
@@ -18,8 +19,8 @@ namespace aslio::plugins {
 
 /// Iterated error-state Kalman filter over one window: AS-LIO (9)-(13), FAST-LIO2. error state (theta, p, v, b_w, b_a,
 /// g, s, d), information form; fresh points are de-skewed to the end of the window with the IMU prediction, history
-/// points enter at the world position their own update gave them, seen from the predicted pose (docs/equations.md
-/// IESKF-*, HIS-*).
+/// points enter at the world position their own update gave them, or where later ones have carried them, seen from the
+/// predicted pose (docs/equations.md IESKF-*, HIS-*).
 class Ieskf final : public Estimator {
  public:
   using Gravity = EstimatedStates::Gravity;
@@ -49,6 +50,7 @@ class Ieskf final : public Estimator {
     double shared_time = 0.05;
     double degenerate_sigma = 0.05;
     bool degenerate_to_prior = false;
+    bool carry = false;
     config::Nested<MotionModel> motion{"imu_midpoint"};
     config::Nested<Residual> residual{"point_to_plane"};
   };
@@ -147,6 +149,7 @@ class Ieskf final : public Estimator {
   Frame frame_;
   MatchSet fresh_, history_;
   MatchTally tally_;
+  CarriedPoints carried_;
   Gate gate_;  ///< of the fresh points of this update
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;

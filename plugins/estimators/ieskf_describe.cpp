@@ -51,6 +51,9 @@ void Ieskf::describe(config::Binder& b, Params& p) {
          "leave directions of which 0.1 s of the view know less than degenerate_sigma to the prior: what clutter and "
          "moving things say of "
          "them is not taken for evidence");
+  b.flag("carry", p.carry,
+         "points of earlier updates move along with the corrections of later ones, in the history and while they wait "
+         "for the map (insertion: on_exit); false: they stay where their own update placed them");
   b.stage("motion", p.motion, "pose and covariance between updates");
   b.stage("residual", p.residual, "what a match measures");
 }

@@ -19,7 +19,7 @@ void describe_covariance(config::Binder& b, HistoryCovariance& value) {
             {"new_only", HistoryCovariance::new_only},
             {"all", HistoryCovariance::all}},
            "what the covariance counts: fresh evidence through the actual gain, fresh evidence alone, or everything "
-           "(over-confident)");
+           "(over-confident); estimators without a filter (ct_icp, icp) have no use for it");
 }
 
 void describe_age_taper(config::Binder& b, std::optional<double>& value) {

@@ -71,9 +71,7 @@ Run::Run(const pipeline::PipelineConfig& config, const SensorModel& sensor, int 
   odometry.add_observer(*this);
 }
 
-void Run::push(const Measurement& measurement) {
-  if (!odometry.has_ended()) odometry.push(Measurement(measurement));
-}
+void Run::push(const Measurement& measurement) { odometry.push(Measurement(measurement)); }
 
 Run& Run::play(const Recording& recording) {
   for (const Measurement& measurement : recording) push(measurement);

@@ -141,6 +141,14 @@ TEST_CASE("a state driven beyond max_speed ends the run, nothing is taken after 
   CHECK(run.odometry.divergence()->t > world.begin_time() + kSecond);
   CHECK(run.odometry.divergence()->t < world.begin_time() + to_ns(1.3));
   CHECK(run.updates.back().plan.end == run.odometry.divergence()->t);
+  const stream::StreamCounters& counters = run.odometry.stream().counters();
+  CHECK(counters.packets < static_cast<std::uint64_t>(std::count_if(
+                               recording.begin(), recording.end(),
+                               [](const Measurement& m) { return std::holds_alternative<LidarPacket>(m); })));
+  const stream::StreamCounters at_end = counters;
+  run.odometry.push(ImuSample{.t = run.odometry.stream().last_imu() + kSecond / 100});
+  CHECK(counters.imu == at_end.imu);
+  CHECK(counters.imu_invalid == at_end.imu_invalid);
 }
 
 // eq. INI-5.

@@ -41,6 +41,20 @@ class Commands(unittest.TestCase):
             pathlib.Path(folder, "results.csv").write_text("data\n")
             self.assert_refused("holds a study", "tools/quickstart", "--scene", "configs/scenes/indoor_1.yaml", "--output", folder)
 
+    def test_recordings_of_one_name_have_folders_of_their_own(self):
+        def folder_for(source, folder):
+            script = f'. {ROOT}/tools/lib/setup.sh && folder_for "$1" "$2"'
+            done = subprocess.run(["bash", "-euc", script, "bash", source, folder], capture_output=True, text=True, check=True)
+            return done.stdout.removesuffix("\n")
+
+        with tempfile.TemporaryDirectory() as folder:
+            run_folder = pathlib.Path(folder, "run")
+            for source, expected in (("/a/run.bag", "run"), ("/b/run.bag", "run-2"), ("/c/run.bag", "run-3"), ("/b/run.bag", "run-2")):
+                found = pathlib.Path(folder_for(source, str(run_folder)))
+                self.assertEqual(found.name, expected)
+                found.mkdir(exist_ok=True)
+                (found / "source").write_text(source + "\n")
+
     def test_sudo_may_ask_on_the_terminal_whatever_the_input_is(self):
         with tempfile.TemporaryDirectory() as folder:
             for name, text in (("sudo", 'echo "sudo $*"'), ("id", "echo 1000")):

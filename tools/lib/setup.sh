@@ -105,3 +105,13 @@ build() {
   fi
   echo "      built in $(elapsed $begin)"
 }
+
+# FOLDER, or FOLDER-2 and so on, the first that does not hold results of another source than SOURCE (a file `source` in it names that).
+folder_for() {
+  local source=$1 folder=$2 number=2
+  while [ -e "$folder/source" ] && [ "$(cat "$folder/source")" != "$source" ]; do
+    folder=$2-$number
+    ((++number))
+  done
+  printf '%s\n' "$folder"
+}

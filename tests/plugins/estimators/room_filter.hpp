@@ -44,7 +44,6 @@ struct Filter {
     const pipeline::PipelineConfig config = shipped("as_lio", all, catalog);
     estimator = config.estimator.make(environment.context());
     map = config.map.make(environment.context());
-    InitialState initial;
     initial.state.t = kRoomEpoch;
     initial.state.g = gravity;
     initial.sigma_velocity = sigma_velocity;
@@ -65,6 +64,7 @@ struct Filter {
   BuildEnvironment environment;
   SamplerChain samplers;
   ConstantHistory history;
+  InitialState initial;
   std::unique_ptr<Estimator> estimator;
   std::unique_ptr<Map> map;
 };

@@ -194,6 +194,11 @@ TEST_CASE("a window without IMU data keeps the state and its covariance") {
   CHECK(update.state.t == room.window.plan.end);
   CHECK(update.states.size() == 1);
   CHECK(update.status == UpdateStatus::ok);
+
+  Filter unmatched({}, 0.01, true);  // over an empty map the covariance is the predicted one: that of the start, INI-4
+  const StateMatrix& P = unmatched.update(room).P;
+  for (int i = 0; i < 6; ++i) CHECK(P(i, i) == Approx(1e-8).epsilon(1e-9));
+  CHECK(P.isDiagonal(1e-9));
 }
 
 TEST_CASE("attitude noise over a window: the density times its length, at any IMU rate, more in turns when so chosen") {

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "aslio/stages/estimator.hpp"
+
+namespace aslio::plugins {
+
+/// Where the points of the last updates belong by what later updates have found (docs/equations.md IESKF-12): the IMU
+/// knows the motion of a tenth of a second better than a single update does, so the correction of a window's end is one
+/// of the poses before it, too, less what the correction of the velocity had not moved yet at their time. Places are in
+/// W [m], times in ns.
+class CarriedPoints final : public PointRevision {
+ public:
+  void clear() { slices_.clear(); }
+  /// Points of `t` or before are not asked for any more.
+  void forget(TimeNs t);
+  /// After an update, whose points are where it placed them: those before them have moved by its correction, if it has
+  /// accepted one, or are forgotten with the map.
+  void follow(const Update& update, const WindowPlan& plan);
+  /// Moves all points by the correction of the state at prior.t, which is after them.
+  void correct(const NavState& prior, const NavState& posterior);
+  /// From now on points of (begin, end] are known. Pre: begin is not before the last end.
+  void append(TimeNs begin, TimeNs end) { slices_.push_back({.begin = begin, .end = end}); }
+
+  /// A point of time t that its own update placed at p_W. With the same `hint` (0 at first) for all, points in the
+  /// order of time are found fastest.
+  Vec3 place(TimeNs t, const Vec3& p_W, std::size_t& hint) const {
+    if (hint < slices_.size() && t <= slices_[hint].begin) hint = 0;
+    while (hint < slices_.size() && slices_[hint].end < t) ++hint;
+    if (hint == slices_.size() || t <= slices_[hint].begin) return p_W;
+    const Slice& slice = slices_[hint];
+    return slice.turn * p_W + slice.shift + to_seconds(t - slice.end) * slice.drift;
+  }
+  Vec3 place(const WorldPoint& point) const override {
+    std::size_t oldest = 0;
+    return place(point.t, point.p_W, oldest);
+  }
+
+ private:
+  /// Fresh points of one update, and all corrections since: p -> turn p + shift + drift (t - end) [m, m/s, s].
+  struct Slice {
+    TimeNs begin = 0, end = 0;
+    Mat3 turn = Mat3::Identity();
+    Vec3 shift = Vec3::Zero(), drift = Vec3::Zero();
+  };
+  std::vector<Slice> slices_;  ///< in time order
+};
+
+}  // namespace aslio::plugins
