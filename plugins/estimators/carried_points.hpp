@@ -26,7 +26,7 @@ class CarriedPoints final : public PointRevision {
   /// A point of time t that its own update placed at p_W. With the same `hint` (0 at first) for all, points in the
   /// order of time are found fastest.
   Vec3 place(TimeNs t, const Vec3& p_W, std::size_t& hint) const {
-    if (hint < slices_.size() && t <= slices_[hint].begin) hint = 0;
+    if (hint >= slices_.size() || t <= slices_[hint].begin) hint = 0;
     while (hint < slices_.size() && slices_[hint].end < t) ++hint;
     if (hint == slices_.size() || t <= slices_[hint].begin) return p_W;
     const Slice& slice = slices_[hint];
