@@ -10,7 +10,7 @@ void CarriedPoints::forget(TimeNs t) {
 }
 
 void CarriedPoints::follow(const Update& update, const WindowPlan& plan) {
-  if (update.restart_map) {
+  if (update.restart_map || update.status == UpdateStatus::non_finite) {  // nobody knows the motion of that window
     clear();
   } else if (update.accepted) {
     correct(update.prior, update.state);
@@ -21,7 +21,7 @@ void CarriedPoints::follow(const Update& update, const WindowPlan& plan) {
 /// eq. IESKF-12.
 void CarriedPoints::correct(const NavState& prior, const NavState& posterior) {
   const Mat3 turn = posterior.R * prior.R.transpose();
-  const Vec3 faster = posterior.v - prior.v;
+  const Vec3 faster = posterior.v - turn * prior.v;  // the turn alone would turn the path behind, too
   for (Slice& slice : slices_) {
     const double before = to_seconds(prior.t - slice.end);
     slice.turn = turn * slice.turn;

@@ -7,16 +7,15 @@
 namespace aslio::plugins {
 
 /// Where the points of the last updates belong by what later updates have found (docs/equations.md IESKF-12): the IMU
-/// knows the motion of a tenth of a second better than a single update does, so the correction of a window's end is one
-/// of the poses before it, too, less what the correction of the velocity had not moved yet at their time. Places are in
-/// W [m], times in ns.
+/// knows the motion of a tenth of a second better than a single update does, so poses before a window's end are those
+/// that lead to its corrected pose and velocity by the motion that was measured. Places are in W [m], times in ns.
 class CarriedPoints final : public PointRevision {
  public:
   void clear() { slices_.clear(); }
   /// Points of `t` or before are not asked for any more.
   void forget(TimeNs t);
   /// After an update, whose points are where it placed them: those before them have moved by its correction, if it has
-  /// accepted one, or are forgotten with the map.
+  /// accepted one, or are forgotten, with the map or because the motion since them is not known.
   void follow(const Update& update, const WindowPlan& plan);
   /// Moves all points by the correction of the state at prior.t, which is after them.
   void correct(const NavState& prior, const NavState& posterior);

@@ -43,8 +43,9 @@ class Commands(unittest.TestCase):
 
     def test_recordings_of_one_name_have_folders_of_their_own(self):
         def folder_for(source, folder):
-            script = f'. {ROOT}/tools/lib/setup.sh && folder_for "$1" "$2"'
-            done = subprocess.run(["bash", "-euc", script, "bash", source, folder], capture_output=True, text=True, check=True)
+            script = '. tools/lib/setup.sh && folder_for "$1" "$2"'
+            done = subprocess.run(["bash", "-euc", script, "bash", source, folder], capture_output=True, text=True, check=True, cwd=ROOT)
+            self.assertEqual(done.stderr, "")
             return done.stdout.removesuffix("\n")
 
         with tempfile.TemporaryDirectory() as folder:
@@ -54,6 +55,10 @@ class Commands(unittest.TestCase):
                 self.assertEqual(found.name, expected)
                 found.mkdir(exist_ok=True)
                 (found / "source").write_text(source + "\n")
+            for name, file in (("older", "table.md"), ("study", "results.csv")):
+                pathlib.Path(folder, name).mkdir()
+                pathlib.Path(folder, name, file).write_text("\n")
+                self.assertEqual(folder_for("/a/run.bag", str(pathlib.Path(folder, name))), str(pathlib.Path(folder, name + "-2")))
 
     def test_sudo_may_ask_on_the_terminal_whatever_the_input_is(self):
         with tempfile.TemporaryDirectory() as folder:

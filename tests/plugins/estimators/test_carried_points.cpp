@@ -24,6 +24,7 @@ Correction random_correction(std::mt19937& random, TimeNs t) {
   c.prior.t = c.posterior.t = t;
   c.prior.R = exp_so3(vector(1));
   c.prior.p = vector(50);
+  c.prior.v = vector(2);
   c.posterior = c.prior;
   c.posterior.R = c.prior.R * exp_so3(vector(0.01));
   c.posterior.p += vector(0.02);
@@ -56,7 +57,7 @@ TEST_CASE("a point has gone through every correction since its own update, each 
       if (t > ends[k]) continue;  // its own update, or one before it
       const auto& [prior, posterior] = corrections[k];
       expected = posterior.R * (prior.R.transpose() * (expected - prior.p)) + posterior.p -
-                 to_seconds(prior.t - t) * (posterior.v - prior.v);
+                 to_seconds(prior.t - t) * (posterior.v - posterior.R * prior.R.transpose() * prior.v);
     }
     CAPTURE(t - kRoomEpoch);
     CHECK((carried.place(t, p, hint) - expected).norm() < 1e-9);
@@ -85,6 +86,51 @@ TEST_CASE(
   CHECK(carried.place(second, p, hint) == p);
 }
 
+TEST_CASE("a path without force or turn, begun otherwise: points go where it would have seen them") {
+  std::mt19937 random(9);
+  constexpr TimeNs end = kRoomEpoch + 100'000'000;
+  const Correction c = random_correction(random, end);
+  CarriedPoints carried;
+  carried.append(kRoomEpoch, end - 20'000'000);
+  carried.correct(c.prior, c.posterior);
+  const Vec3 seen(4, -2, 1);  // in I
+  std::size_t hint = 0;
+  for (TimeNs t = kRoomEpoch + 1; t < end - 20'000'000; t += 7'000'000) {
+    const double before = to_seconds(end - t);
+    const auto place = [&](const NavState& x) -> Vec3 { return x.R * seen + x.p - before * x.v; };
+    CHECK((carried.place(t, place(c.prior), hint) - place(c.posterior)).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("a refused update moves nothing; a new map and a motion nobody knows let go of all") {
+  std::mt19937 random(10);
+  const TimeNs first = kRoomEpoch + 10'000'000, second = first + 10'000'000;
+  const WorldPoint point{.p_W = Vec3(3, 2, 1), .t = first};
+  const Correction c = random_correction(random, second);
+  const auto after = [&](auto&& change) -> Vec3 {
+    CarriedPoints carried;
+    carried.append(kRoomEpoch, first);
+    carried.correct(c.prior, c.posterior);
+    Update update;
+    update.prior = c.prior;
+    update.state = c.posterior;
+    update.status = UpdateStatus::ok;
+    update.accepted = true;
+    change(update);
+    WindowPlan plan;
+    plan.history_begin = kRoomEpoch;
+    plan.fresh_begin = first;
+    plan.end = second;
+    carried.follow(update, plan);
+    return carried.place(point);
+  };
+  const Vec3 once = after([](Update& u) { u.accepted = false; });
+  CHECK(once != point.p_W);
+  CHECK(after([](Update&) {}) != once);
+  CHECK(after([](Update& u) { u.restart_map = true; }) == point.p_W);
+  CHECK(after([](Update& u) { u.status = UpdateStatus::non_finite; }) == point.p_W);
+}
+
 TEST_CASE("carry: points that were placed while the velocity was unknown come nearer to the walls they are of") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.5), .drift = Vec3(0.6, -0.4, 0)};
   constexpr TimeNs step = kTenth / 4;
@@ -94,7 +140,8 @@ TEST_CASE("carry: points that were placed while the velocity was unknown come ne
     RoomWindow first(kRoomEpoch, step, motion, 2, 60);
     const Update& update = filter.update(first);
     REQUIRE(update.accepted);
-    REQUIRE((update.revision != nullptr) == carry);
+    const PointRevision* revision = update.revision;
+    REQUIRE((revision != nullptr) == carry);
     const std::vector<WorldPoint> points(update.map_points.begin(), update.map_points.end());
     for (std::uint32_t k = 1; k < 4; ++k) {
       RoomWindow next(kRoomEpoch + k * step, step, motion, k + 2, 2000);
@@ -105,7 +152,7 @@ TEST_CASE("carry: points that were placed while the velocity was unknown come ne
     for (const WorldPoint& point : points) {
       const TimedPoint& measured = first.window.fresh[point.index];
       const Vec3 truth = motion.at(measured.t) * Vec3(measured.x, measured.y, measured.z);
-      sum += ((carry ? update.revision->place(point) : point.p_W) - truth).squaredNorm();
+      sum += ((carry ? revision->place(point) : point.p_W) - truth).squaredNorm();
     }
     return std::sqrt(sum / static_cast<double>(points.size()));
   };

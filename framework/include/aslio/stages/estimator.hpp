@@ -48,11 +48,11 @@ struct MatchRecord {
   float residual = 0;  ///< signed z at the posterior [m]; of several rows, the length of their vector
 };
 
-/// Where an estimator that smooths holds points of earlier updates now.
+/// Where an estimator that smooths, or carries points along (`ieskf` with `carry`), holds those of earlier updates now.
 class PointRevision {
  public:
   virtual ~PointRevision() = default;
-  /// p_W of a point that its own update placed at `point.p_W`. What has left the smoother's lag stays where it is.
+  /// p_W of a point that its own update placed at `point.p_W`. What has left the window stays where it is.
   virtual Vec3 place(const WorldPoint& point) const = 0;
 };
 
