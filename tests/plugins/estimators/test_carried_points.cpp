@@ -102,7 +102,7 @@ TEST_CASE("a path without force or turn, begun otherwise: points go where it wou
   }
 }
 
-TEST_CASE("a refused update moves nothing; a new map and a motion nobody knows let go of all") {
+TEST_CASE("a refused update moves nothing, a new map and a motion nobody knows let go of all") {
   std::mt19937 random(10);
   const TimeNs first = kRoomEpoch + 10'000'000, second = first + 10'000'000;
   const WorldPoint point{.p_W = Vec3(3, 2, 1), .t = first};
