@@ -11,6 +11,9 @@ namespace aslio::plugins {
 /// that lead to its corrected pose and velocity by the motion that was measured. Places are in W [m], times in ns.
 class CarriedPoints final : public PointRevision {
  public:
+  /// Room for more updates than windows of any strategy reach back over.
+  CarriedPoints() { slices_.reserve(64); }
+
   void clear() { slices_.clear(); }
   /// Points of `t` or before are not asked for any more.
   void forget(TimeNs t);
