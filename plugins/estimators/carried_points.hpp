@@ -11,7 +11,7 @@ namespace aslio::plugins {
 /// that lead to its corrected pose and velocity by the motion that was measured. Places are in W [m], times in ns.
 class CarriedPoints final : public PointRevision {
  public:
-  /// Room for more updates than windows of any strategy reach back over.
+  /// Room for the updates of half a second at 125 Hz, five times what the shipped windows reach back over.
   CarriedPoints() { slices_.reserve(64); }
 
   void clear() { slices_.clear(); }

@@ -43,7 +43,7 @@ class Commands(unittest.TestCase):
 
     def test_recordings_of_one_name_have_folders_of_their_own(self):
         def folder_for(source, folder):
-            script = '. tools/lib/setup.sh && folder_for "$1" "$2"'
+            script = '. tools/lib/folders.sh && folder_for "$1" "$2"'
             done = subprocess.run(["bash", "-euc", script, "bash", source, folder], capture_output=True, text=True, check=True, cwd=ROOT)
             self.assertEqual(done.stderr, "")
             return done.stdout.removesuffix("\n")

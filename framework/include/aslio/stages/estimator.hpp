@@ -48,7 +48,7 @@ struct MatchRecord {
   float residual = 0;  ///< signed z at the posterior [m]; of several rows, the length of their vector
 };
 
-/// Where an estimator that smooths, or carries points along (`ieskf` with `carry`), holds those of earlier updates now.
+/// Where an estimator that corrects earlier poses, too, holds points of earlier updates now.
 class PointRevision {
  public:
   virtual ~PointRevision() = default;
