@@ -89,6 +89,8 @@ TEST_CASE("the summary tells what the run amounts to, the manifest what was run"
   CHECK(summary.at("metrics").at("end_to_end_m").is_number());
   const Json manifest = json(bench / "out/manifest.json");
   CHECK(manifest.at("input").at("sha256") == io::input_digest(bench / "recording.bag"));
+  CHECK(manifest.at("reference").at("path") == (bench / "truth.tum").string());
+  CHECK(manifest.at("reference").at("sha256") == io::input_digest(bench / "truth.tum"));
   CHECK(manifest.at("seeds").at("order") == 7);
   CHECK(manifest.at("threads") == 1);
   CHECK(manifest.at("overrides") == Json::array({"max_speed=25"}));

@@ -9,6 +9,8 @@ import {join} from 'node:path';
 import {after, before, test} from 'node:test';
 import {pathToFileURL} from 'node:url';
 
+import {channelOf} from '../../tools/report/src/decode.js';
+
 const {ASLIO_PROGRAM, ASLIO_FIXTURE, ASLIO_CHROMIUM, ASLIO_MODULES, ASLIO_SCREENSHOTS} = process.env;
 const puppeteer = createRequire(join(ASLIO_MODULES, 'package.json'))('puppeteer-core');
 const folder = mkdtempSync(join(tmpdir(), 'aslio_report_'));
@@ -45,6 +47,23 @@ after(async () => {
 const look = (id) => page.$eval(`#${id}`, (element) => element.scrollIntoView());
 const texts = (selector) => page.$$eval(selector, (elements) => elements.map((element) => element.textContent));
 const shot = async (name) => ASLIO_SCREENSHOTS && page.screenshot({path: join(ASLIO_SCREENSHOTS, `${name}.png`), fullPage: true});
+
+test('a channel holds no value where its line breaks', () => {
+  // 0 s, 1 s, 3 s and 4 s with the values 5, 6, 7 and 8, the third after a break.
+  const packed = (...differences) => {
+    const bytes = [];
+    for (const difference of differences) {
+      let left = 2 * difference;
+      for (; left > 127; left >>= 7) bytes.push((left & 127) | 128);
+      bytes.push(left);
+    }
+    return btoa(String.fromCharCode(...bytes));
+  };
+  const channel = {t: packed(0, 10000, 20000, 10000), v: packed(5, 1, 1, 1), unit: 1, breaks: packed(2)};
+  assert.deepEqual(channelOf(channel), {t: Float64Array.of(0, 1, 2, 3, 4), v: Float64Array.of(5, 6, NaN, 7, 8)});
+  delete channel.breaks;
+  assert.deepEqual(channelOf(channel), {t: Float64Array.of(0, 1, 3, 4), v: Float64Array.of(5, 6, 7, 8)});
+});
 
 test('the study stands on top, with its verdict', async () => {
   const text = await page.$eval('#study', (element) => element.textContent);

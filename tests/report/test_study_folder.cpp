@@ -1,11 +1,14 @@
 /// Reading a study back, its tables and its page.
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
+#include "aslio/report/encode.hpp"
 #include "aslio/report/page.hpp"
 #include "aslio/report/run_series.hpp"
 #include "aslio/report/table.hpp"
@@ -309,6 +312,56 @@ TEST_CASE("where the truth tells nothing, no error is drawn") {
     return series["channels"]["error_cm"]["t"].template get<std::string>().size();
   };
   CHECK(10 * drawn(partly) < 8 * drawn(all));
+  CHECK_FALSE(partly["channels"]["error_cm"].contains("breaks"));
+
+  std::vector<aslio::StampedPose> outer(samples.begin(), samples.end());
+  const auto third = static_cast<std::ptrdiff_t>(outer.size() / 3);
+  outer.erase(outer.begin() + third, outer.end() - third);
+  DataTruth torn = whole;
+  torn.truth = aslio::Trajectory(std::move(outer));
+  CHECK(series_json(study.runs[1], torn)["channels"]["error_cm"].contains("breaks"));
+}
+
+TEST_CASE("what measured a single run is found by its manifest") {
+  const Fixture fixture;
+  const StudyFolder study = fixture.study();
+  const auto folder = fixture.folder.path();
+  std::filesystem::rename(folder / "data/loop_1/truth.tum", folder / "reference.tum");
+  const auto named = [&](const nlohmann::json& manifest) {
+    for (const auto& run : study.runs)
+      if (run.data == "loop_1") write_text(run.folder / "manifest.json", manifest.dump());
+    return read_truth(study, "loop_1").truth.has_value();
+  };
+  const nlohmann::json path = (folder / "reference.tum").string();
+  CHECK(named({{"reference", {{"path", path}}}, {"dataset", nullptr}}));
+  CHECK_FALSE(named({{"reference", {{"path", (folder / "gone.tum").string()}}}}));
+  CHECK_FALSE(named({{"reference", {{"path", folder.string()}}}}));
+  CHECK_FALSE(named({{"reference", {{"path", 5}}}}));
+  CHECK_FALSE(named({{"reference", nullptr}}));
+  CHECK_FALSE(named(nlohmann::json::array()));
+  // Of a run before manifests named it.
+  for (const char* name : {"loop_1.bag", "none.yaml"}) write_text(folder / name, "");
+  write_text(folder / "dataset.yaml",
+             "schema: aslio/dataset/1\ninput: loop_1.bag\nsensor: none.yaml\nreference: reference.tum\n");
+  CHECK(named({{"dataset", (folder / "dataset.yaml").string()}}));
+}
+
+TEST_CASE("a line breaks where values are missing in its middle") {
+  const TemporaryFolder folder;
+  // Straight lines on both sides of what is missing: a single one would pass all of it.
+  std::string text = "t_ns,status,sod,gyro_rms_rad_s\n";
+  for (int i = 0; i < 30; ++i) {
+    const bool missing = i < 3 || (10 <= i && i < 20) || i == 29;
+    text += fmt::format("{},ok,{},1\n", 100'000'000LL * (i + 1), missing ? "nan" : "0.5");
+  }
+  write_text(folder.path() / "updates.csv", text);
+  FolderRun run;
+  run.folder = folder.path();
+  const auto series = series_json(run, {.truth = {}, .origin = 100'000'000});
+  const auto& sod = series["channels"]["sod"];
+  CHECK(sod["t"] == packed_numbers(std::vector{0.3, 0.9, 2.0, 2.8}, 1e-4));
+  CHECK(sod["breaks"] == packed_integers(std::vector<std::int64_t>{2}));
+  CHECK_FALSE(series["channels"]["gyro_deg_s"].contains("breaks"));
 }
 
 TEST_CASE("one update that is far off does not take the resolution of the others") {

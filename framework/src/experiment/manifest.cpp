@@ -88,6 +88,10 @@ std::string to_json(const Manifest& manifest, const RunOptions& options) {
   input["duration_s"] = options.section.duration ? Json(*options.section.duration) : Json(nullptr);
   Json sensor = file(options.sensor, manifest.sensor_sha256);
   sensor["resolved"] = manifest.sensor_resolved;
+  // Absolute: the report of a run, which is made from anywhere, draws its error.
+  const Json reference = options.reference
+                             ? file(std::filesystem::absolute(*options.reference), manifest.reference_sha256)
+                             : Json(nullptr);
   const Json out = {{"aslio", version()},
                     {"command_line", options.command_line},
                     {"pipeline", file(options.pipeline, manifest.pipeline_sha256)},
@@ -97,6 +101,7 @@ std::string to_json(const Manifest& manifest, const RunOptions& options) {
                     {"sensor", sensor},
                     {"input", input},
                     {"dataset", options.dataset ? Json(options.dataset->string()) : Json(nullptr)},
+                    {"reference", reference},
                     {"seeds", {{"order", options.order_seed}}},
                     {"threads", options.threads},
                     {"program", manifest.program_sha256},

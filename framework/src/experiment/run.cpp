@@ -113,6 +113,7 @@ Manifest identify(const RunOptions& options, const Prepared& prepared) {
   manifest.program_sha256 = io::input_digest("/proc/self/exe");
   manifest.pipeline_sha256 = io::input_digest(options.pipeline);
   manifest.sensor_sha256 = io::input_digest(options.sensor);
+  if (options.reference) manifest.reference_sha256 = io::input_digest(*options.reference);
   manifest.sensor_resolved = prepared.sensor.resolved;
   manifest.stages = prepared.pipeline.plugin_types;
   const auto start = Clock::now();

@@ -32,15 +32,24 @@ constexpr double kErrorUnit = 1e-4;      // [m]
 constexpr double kPathTolerance = 4e-3;  // [m]; with the rounding of the positions within 5 mm
 constexpr double kTolerance = 3e-3;      // of a channel's range
 constexpr double kValueUnit = 2e-3;      // of a channel's range: with the tolerance within 0.4 %
-/// Values over time with what is missing left out.
+/// Values over time, without what is not finite: there a line breaks.
 struct Channel {
   std::vector<double> t, values;
+  std::vector<std::size_t> breaks;  ///< ascending: samples that follow a missing one
 
   void add(double time, double value) {
-    if (!std::isfinite(value)) return;
+    if (!std::isfinite(value)) {
+      missing_ = !t.empty();
+      return;
+    }
+    if (missing_) breaks.push_back(t.size());
+    missing_ = false;
     t.push_back(time);
     values.push_back(value);
   }
+
+ private:
+  bool missing_ = false;
 };
 
 /// Of all but the smallest and largest hundredth: one window that the end cuts short has a rate of thousands. Above 0.
@@ -56,11 +65,23 @@ Json packed(const Channel& channel) {
   if (channel.t.empty()) return nullptr;
   const double range = usual_range(channel.values), unit = kValueUnit * range;
   std::vector<double> t, values;
-  for (const std::uint32_t i : decimated(channel.t, channel.values, kTolerance * range)) {
-    t.push_back(channel.t[i]);
-    values.push_back(channel.values[i]);
+  std::vector<std::int64_t> breaks;
+  const std::span<const double> all_t = channel.t, all_values = channel.values;
+  // Each stretch by itself: a line over a break would stand for what is missing.
+  std::size_t begin = 0;
+  for (std::size_t k = 0; k <= channel.breaks.size(); ++k) {
+    const std::size_t end = k < channel.breaks.size() ? channel.breaks[k] : channel.t.size();
+    if (k > 0) breaks.push_back(static_cast<std::int64_t>(t.size()));
+    const auto stretch = all_values.subspan(begin, end - begin);
+    for (const std::uint32_t i : decimated(all_t.subspan(begin, end - begin), stretch, kTolerance * range)) {
+      t.push_back(channel.t[begin + i]);
+      values.push_back(stretch[i]);
+    }
+    begin = end;
   }
-  return {{"t", packed_numbers(t, kTimeUnit)}, {"v", packed_numbers(values, unit)}, {"unit", unit}};
+  Json json = {{"t", packed_numbers(t, kTimeUnit)}, {"v", packed_numbers(values, unit)}, {"unit", unit}};
+  if (!breaks.empty()) json["breaks"] = packed_integers(breaks);
+  return json;
 }
 
 void put(Json& json, const char* name, const Channel& channel) {
@@ -198,6 +219,23 @@ std::string within_run(std::string text, const FolderRun& run) {
   return text;
 }
 
+/// The file that measured a run, by its manifest; empty where none is named.
+fs::path reference_of(const fs::path& run) {
+  std::error_code ignored;
+  const Json manifest = Json::parse(read_file(run / "manifest.json").value_or(""), nullptr, false);
+  if (!manifest.is_object()) return {};
+  const auto reference = manifest.find("reference");
+  if (reference != manifest.end() && reference->is_object()) {
+    const auto path = reference->find("path");
+    if (path != reference->end() && path->is_string()) return path->get<std::string>();
+  }
+  // A run of before manifests named the reference.
+  const auto dataset = manifest.find("dataset");
+  if (dataset == manifest.end() || !dataset->is_string()) return {};
+  const auto file = dataset->get<std::string>();
+  return fs::exists(file, ignored) ? experiment::load_dataset(file).reference.value_or("") : fs::path{};
+}
+
 }  // namespace
 
 DataTruth read_truth(const StudyFolder& study, const std::string& data) {
@@ -208,13 +246,7 @@ DataTruth read_truth(const StudyFolder& study, const std::string& data) {
     return r.data == data && fs::exists(r.folder / "manifest.json", ignored);
   });
   try {
-    if (!fs::exists(file, ignored) && run != study.runs.end()) {
-      const Json manifest = Json::parse(read_file(run->folder / "manifest.json").value_or(""), nullptr, false);
-      const auto dataset = manifest.is_object() ? manifest.find("dataset") : manifest.end();
-      if (dataset != manifest.end() && dataset->is_string() && fs::exists(dataset->get<std::string>(), ignored)) {
-        file = experiment::load_dataset(dataset->get<std::string>()).reference.value_or("");
-      }
-    }
+    if (!fs::exists(file, ignored) && run != study.runs.end()) file = reference_of(run->folder);
     if (!file.empty() && fs::is_regular_file(file, ignored)) out.truth = Trajectory(io::read_tum(file));
   } catch (const std::runtime_error&) {
     out.truth.reset();  // the page tells that there is no truth

@@ -30,9 +30,22 @@ export function unpack(text, unit) {
 
 const TIME_UNIT = 1e-4, LENGTH_UNIT = 1e-3, ERROR_UNIT = 1e-4;
 
-/** {t, v}: a channel over time. */
+/** {t, v}: a channel over time; v is NaN halfway where values are missing. */
 export function channelOf(packed) {
-  return packed && {t: unpack(packed.t, TIME_UNIT), v: unpack(packed.v, packed.unit)};
+  if (!packed) return packed;
+  const t = unpack(packed.t, TIME_UNIT), v = unpack(packed.v, packed.unit);
+  if (!packed.breaks) return {t, v};
+  const breaks = new Set(unpack(packed.breaks, 1));
+  const all = {t: [], v: []};
+  t.forEach((time, i) => {
+    if (breaks.has(i)) {
+      all.t.push((t[i - 1] + time) / 2);
+      all.v.push(NaN);
+    }
+    all.t.push(time);
+    all.v.push(v[i]);
+  });
+  return {t: Float64Array.from(all.t), v: Float64Array.from(all.v)};
 }
 
 /** {t, x, y, z, q, dx, dy, dz, e}: a trajectory; errors only where there is truth, e is NaN at poses that have none. */
@@ -62,13 +75,4 @@ export function indexAt(t, time) {
     else high = middle - 1;
   }
   return low;
-}
-
-/** Interpolated value; null outside. */
-export function valueAt(channel, time) {
-  const {t, v} = channel;
-  if (!t.length || time < t[0] || time > t[t.length - 1]) return null;
-  const i = indexAt(t, time);
-  if (i + 1 >= t.length) return v[i];
-  return v[i] + ((time - t[i]) / (t[i + 1] - t[i])) * (v[i + 1] - v[i]);
 }

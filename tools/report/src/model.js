@@ -106,6 +106,7 @@ export function brief(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '';
   const size = Math.abs(value);
   if (size === 0) return '0';
+  if (size >= 1e6) return value.toExponential(1).replace('.0', '').replace('+', '');
   if (size >= 1000) return value.toFixed(0);
   return value.toPrecision(3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
 }

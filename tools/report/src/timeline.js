@@ -26,10 +26,29 @@ const powersOnly = (_, splits) => splits.map((v) => (Math.abs(Math.log10(v) % 1)
 /** Scale of y up to what all but a few samples stay below. */
 function bound(lines) {
   const tops = lines.map(({channel}) => {
-    const sorted = Float64Array.from(channel.v).sort();
+    const sorted = channel.v.filter(Number.isFinite).sort();
     return sorted[Math.floor(0.995 * (sorted.length - 1))];
   });
   return [0, 1.25 * Math.max(...tops, 1e-9)];
+}
+
+/** Samples between two breaks, of which no line tells. */
+function lonely(plot, series) {
+  const values = plot.data[series], found = [];
+  let before = null, last = -1, alone = false;
+  values.forEach((v, i) => {
+    if (v === undefined) return;
+    if (v === null) {
+      if (alone) found.push(last);
+      alone = false;
+    } else {
+      alone = before === null;
+      last = i;
+    }
+    before = v;
+  });
+  if (alone) found.push(last);
+  return found;
 }
 
 export class Timeline {
@@ -59,10 +78,12 @@ export class Timeline {
   }
 
   plot(place, readings, name, lines, last) {
-    const joined = uPlot.join(lines.map((line) => [line.channel.t, line.channel.v]));
-    const logarithmic = LOGARITHMIC.has(name) && joined.slice(1).flat().some((v) => v > 0);
+    const logarithmic = LOGARITHMIC.has(name) && lines.some(({channel}) => channel.v.some((v) => v > 0));
+    // null breaks a line. What join() has to fill in, since another run has a sample there, is undefined, and breaks none.
+    const drawn = (v) => (Number.isFinite(v) && (v > 0 || !logarithmic) ? v : null);
+    const joined = uPlot.join(lines.map(({channel}) => [channel.t, Array.from(channel.v, drawn)]));
     const series = lines.map((line) => ({
-      label: line.name, stroke: line.colour, width: line.dash ? 1 : 1.3, spanGaps: true, points: {show: false}, dash: line.dash,
+      label: line.name, stroke: line.colour, width: line.dash ? 1 : 1.3, spanGaps: false, points: {show: true, size: 3, filter: lonely}, dash: line.dash,
       paths: STEPS.has(name) ? uPlot.paths.stepped({align: -1}) : undefined,
     }));
     const grid = {stroke: ink('line'), width: 1};
@@ -78,7 +99,7 @@ export class Timeline {
         setCursor: [(u) => this.read(u, readings)],
         setScale: [(u, key) => key === 'x' && this.zoom(u)],
       },
-    }, joined.map((values, i) => (i && logarithmic ? values.map((v) => (v > 0 ? v : null)) : values)), place);
+    }, joined, place);
     plot.over.addEventListener('click', () => this.choice.set({time: plot.posToVal(plot.cursor.left, 'x')}));
     plot.over.addEventListener('dblclick', () => this.reset());
     const cursor = h('div', {class: 'now'});
@@ -99,7 +120,7 @@ export class Timeline {
     readings.replaceChildren(h('span', {class: 'unit'}, `${brief(plot.data[0][idx])} s`), ...plot.lines.map((line, i) => {
       const values = plot.data[i + 1];
       let at = idx;
-      while (at > 0 && (values[at] === null || values[at] === undefined)) at--;
+      while (at > 0 && values[at] === undefined) at--;
       return h('span', {style: {color: line.colour}}, brief(values[at] ?? null));
     }));
   }

@@ -29,7 +29,8 @@ struct DataTruth {
   TimeNs origin = 0;  ///< time 0 of the page
 };
 
-/// Truth of a recording: data/DATA/truth.tum of the study, or the reference of the dataset that a run names.
+/// Truth of a recording: data/DATA/truth.tum of the study, or the reference that the manifest of a run names. None
+/// where that is gone, or cannot be read.
 DataTruth read_truth(const StudyFolder& study, const std::string& data);
 
 /// Truth and true overlap of a recording as the page takes them.
