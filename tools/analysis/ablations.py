@@ -5,7 +5,7 @@ from report import at_least, number
 from rules import no_other_below
 
 THREE, NEEDED = 3, 2
-FAR = 1.1  # a median this many times another is worse
+MORE, LESS = 1.1, 0.9  # a median that rises, or falls, by more than 10 %
 
 
 def deskew_ablation(report, _):
@@ -18,24 +18,10 @@ def deskew_ablation(report, _):
         no_other_below(report, default, others, 0.9, NEEDED, THREE, "linear is the default")
     if not report.needs("fixed_10_rigid", "as_lio_rigid", "fixed_10_linear", "as_lio_linear"):
         return
-    won = [ratio(report, "fixed_10_rigid", "as_lio_rigid", s) > ratio(report, "fixed_10_linear", "as_lio_linear", s)
-           for s in study.sequences if None not in (ratio(report, "fixed_10_rigid", "as_lio_rigid", s),
-                                                    ratio(report, "fixed_10_linear", "as_lio_linear", s))]
+    gains = [[report.ratio(f"fixed_10_{kind}", f"as_lio_{kind}", s) for kind in ("rigid", "linear")] for s in study.sequences]
+    won = [rigid > linear for rigid, linear in gains if None not in (rigid, linear)]
     report.claim(f"linear makes up for long windows: the gain of the adaptive one is larger with rigid on {sum(won)} of {len(won)} "
                  f"(needs {NEEDED} of {THREE})", at_least(sum(won), NEEDED, THREE, len(won)))
-
-
-def ratio(report, method, other, sequence):
-    """Of the medians; None where one is missing or failed."""
-    a, b = report.median(method, sequence), report.median(other, sequence)
-    known = a is not None and b and float("inf") not in (a, b)
-    return a / b if known else None
-
-
-def raised(report, worse, better):
-    """On how many sequences the median of the one is more than 10 % above that of the other, and of how many."""
-    tally = report.medians_below(worse, better, factor=FAR)
-    return tally.lost, tally.count()
 
 
 def literal_ladder(report, _):
@@ -49,11 +35,11 @@ def literal_ladder(report, _):
     for part in parts:
         if not report.needs(f"with_{part}", f"without_{part}"):
             continue
-        up, of_up = raised(report, "as_lio_literal", f"with_{part}")
-        down, of_down = raised(report, f"without_{part}", "as_lio")
-        ends = [at_least(up, NEEDED, THREE, of_up), at_least(down, NEEDED, THREE, of_down)]
-        report.claim(f"{part} holds the literal design back: the literal design with as_lio's gains on {up} of {of_up}, as_lio without it "
-                     f"loses on {down} of {of_down} (needs {NEEDED} of {THREE} at one end)",
+        gains = report.medians_below(f"with_{part}", "as_lio_literal", factor=LESS)
+        losses = report.medians_below(f"without_{part}", "as_lio", factor=MORE)
+        ends = [at_least(gains.won, NEEDED, THREE, gains.count()), at_least(losses.lost, NEEDED, THREE, losses.count())]
+        report.claim(f"{part} holds the literal design back: the literal design with as_lio's gains on {gains.won} of {gains.count()}, as_lio without it "
+                     f"loses on {losses.lost} of {losses.count()} (needs {NEEDED} of {THREE} at one end)",
                      True if True in ends else None if None in ends else False)
 
 

@@ -72,6 +72,13 @@ class Report:
     def median(self, method, sequence, metric="ate_m"):
         return pairs.median(self.study.values(method, sequence, metric))
 
+    def ratio(self, method, other, sequence):
+        """Of the medians: infinite where `method` fails, 0 where the other does; None where one is missing, or both fail."""
+        a, b = self.median(method, sequence), self.median(other, sequence)
+        if None in (a, b) or b == 0 or math.isinf(a) and math.isinf(b):
+            return None
+        return a / b
+
     def needs(self, *methods):
         """True when the study has runs of all of them; tells which are missing."""
         missing = [method for method in methods if method not in self.study.methods]

@@ -81,21 +81,24 @@ def ranges(numbers):
 
 
 def command(study, options):
+    """What makes these runs again: a line for every group of sequences with seeds of its own."""
     words = ["aslio experiment", f"experiments/{study.name}.yaml", "--output", f"out/{study.name}"]
-    seeds = [int(seed) for seed in study.seeds() if seed]
+    seeds_of = {sequence: ranges({int(run.seed) for run in study.runs if run.sequence == sequence and run.seed}) for sequence in study.sequences}
     scales = {study.scale(run.data) for run in study.runs if study.data_file(run.data, "scene.yaml").exists()}
-    if seeds:
-        words += ["--seeds", ranges(seeds)]
     if len(scales) > 1:
         raise FolderError(f"{study.folder}: has runs of several scales ({', '.join(f'{scale:g}' for scale in sorted(scales))}), which no one command makes")
-    if scales - {1.0}:
-        words += ["--scale", ",".join(f"{scale:g}" for scale in sorted(scales))]
+    scaled = ["--scale", f"{scales.pop():g}"] if scales - {1.0} else []
     judged = [f"tools/analysis/{pathlib.Path(__file__).name}", f"out/{study.name}"]
     if options.best_fixed:
         judged += ["--best-fixed", options.best_fixed]
     if options.tuning:
         judged += ["--tuning", "out/tuning"]
-    return f"```\n{' '.join(words)}\n{' '.join(judged)}\n```"
+    if len(set(seeds_of.values())) == 1:
+        calls = [["--seeds", seeds] if seeds else [] for seeds in set(seeds_of.values())]
+    else:
+        calls = [["--only", f'"{sequence}_[0-9]*"', *(["--seeds", seeds] if seeds else [])] for sequence, seeds in seeds_of.items()]
+    lines = [" ".join(words + call + scaled) for call in calls]
+    return "\n".join(["```", *lines, " ".join(judged), "```"])
 
 
 def revisions(study):

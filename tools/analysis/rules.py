@@ -4,6 +4,7 @@ Each takes the Report and the options of decide.py, and repeats in code the `rul
 """
 import math
 import pathlib
+import statistics
 
 import pairs
 from rates import ALIKE, TITLES, Rates
@@ -74,13 +75,18 @@ def ideal_imu(report, options):
 
 
 def best_fixed(study, candidates):
-    """The fixed rate with the smallest geometric mean of its median ATE over the sequences, and all those means."""
+    """The fixed rate with the smallest geometric mean of its median ATE over the sequences, all those means, and on how many recordings:
+    those that every candidate in the study has run on."""
+    found = {method: {sequence: {data: statistics.median(orders.values()) for data, orders in
+                                 study.by_recording(method, sequence, "ate_m").items()} for sequence in study.sequences}
+             for method in candidates if method in study.methods}
+    common = {sequence: set.intersection(*(set(values[sequence]) for values in found.values())) for sequence in study.sequences} if found else {}
+    common = {sequence: data for sequence, data in common.items() if data}
     means = {}
-    for method in candidates:
-        medians = [pairs.median(study.values(method, sequence, "ate_m")) for sequence in study.sequences]
-        if method in study.methods and None not in medians:
-            means[method] = math.exp(sum(math.log(m) if m > 0 else -math.inf for m in medians) / len(medians))
-    return (min(means, key=means.get) if means else None), means
+    for method, values in found.items() if common else ():
+        medians = [pairs.median([values[sequence][data] for data in recordings]) for sequence, recordings in common.items()]
+        means[method] = math.exp(sum(math.log(m) if m > 0 else -math.inf for m in medians) / len(medians))
+    return (min(means, key=means.get) if means else None), means, sum(map(len, common.values()))
 
 
 def chosen_rate(report, options, candidates):
@@ -88,14 +94,16 @@ def chosen_rate(report, options, candidates):
         report.text(f"Best fixed rate: `{options.best_fixed}`, as chosen by the caller.")
         return options.best_fixed
     source = options.tuning or report.study
-    name, means = best_fixed(source, candidates)
+    name, means, recordings = best_fixed(source, candidates)
     if name is None:
-        report.text(f"No run of {', '.join(candidates)}.")
+        report.text(f"No recording that all of {', '.join(candidates)} have run on.")
         return candidates[0]
     figures = ", ".join(f"{method} {number(mean)}" for method, mean in means.items())
     where = f"on the tuning data (seeds {', '.join(source.seeds())})" if options.tuning else \
         "**on these very data, which favours it: name --tuning or --best-fixed**"
-    report.text(f"Best fixed rate: `{name}`, chosen {where}; geometric mean of median ATE: {figures}.")
+    left = "" if len(source.runs) >= source.planned else f" **Of {len(source.runs)} of {source.planned} runs.**"
+    report.text(f"Best fixed rate: `{name}`, chosen {where}; geometric mean of median ATE over the {recordings} recordings that all have run "
+                f"on: {figures}.{left}")
     return name
 
 
@@ -222,9 +230,7 @@ def imu_rate_sweep(report, _):
     for place in ("indoor_1", "outdoor_4"):
         ratios = []
         for rate in (50, 100, 200, 400, 1000):
-            ours, fixed = (report.median(method, f"{place}_imu_{rate}") for method in ("as_lio", "fixed_10"))
-            known = ours and fixed and not math.isinf(ours)  # a fixed window that fails is infinitely worse
-            ratios.append(fixed / ours if known else None)
+            ratios.append(report.ratio("fixed_10", "as_lio", f"{place}_imu_{rate}"))
         report.text(f"{place}, fixed_10 over as_lio at 50, 100, 200, 400, 1000 Hz: " + ", ".join(number(r, 3) for r in ratios) + ".")
         both = ratios[0] is not None and ratios[-1] is not None
         report.claim(f"{place}: the ratio is larger at 50 Hz than at 1000 Hz", ratios[0] > ratios[-1] if both else None)
