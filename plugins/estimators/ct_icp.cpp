@@ -213,8 +213,8 @@ void CtIcp::accept() {
   known.diagonal().segment<3>(3).array() += unit * params_.location;
   const Mat6 information = end_information(known);
   result_.spectrum = pose_spectrum(information);
-  const bool open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
-  if (result_.status == UpdateStatus::ok && open) result_.status = UpdateStatus::degenerate;
+  result_.left_open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  if (result_.status == UpdateStatus::ok && result_.left_open) result_.status = UpdateStatus::degenerate;
   if (uses_imu()) {
     state_ = imu_.correct(prior_, path_.end(), information);
     set_path(path_.begin(), state_.pose());

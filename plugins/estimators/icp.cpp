@@ -158,8 +158,8 @@ void Icp::accept(const Pose& end, const PoseInformation& fresh) {
   const double variance = std::max(least_variance, fresh.squared_sum / static_cast<double>(fresh.accepted));
   const Mat6 fresh_information = fresh.A * (threshold() * threshold() / variance);
   result_.spectrum = pose_spectrum(fresh_information);
-  const bool open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
-  if (result_.status == UpdateStatus::ok && open) result_.status = UpdateStatus::degenerate;
+  result_.left_open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  if (result_.status == UpdateStatus::ok && result_.left_open) result_.status = UpdateStatus::degenerate;
   learn_threshold(state_.pose(), end);
   twist_.follow(end, state_.t);
   state_.R = end.R;

@@ -388,6 +388,7 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
 
   result_.spectrum = pose_spectrum(last.fresh.A);
   left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  result_.left_open = left_open_;
   if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;
 
   state_ = posterior;

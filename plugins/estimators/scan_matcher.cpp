@@ -186,6 +186,7 @@ void ScanMatcher::accept() {
     const Mat6 rest = Mat6::Identity() - last_->held;
     information += rest * measured(*before_) * rest;
   }
+  result_.left_open = degenerate_;
   result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
   if (uses_imu()) {
     state_ = imu_.correct(prior_, end, information);

@@ -187,6 +187,7 @@ void Smoother::accept() {
   into.topLeftCorner<3, 3>() = state_.R;
   result_.spectrum = pose_spectrum(into.transpose() * fresh.A0 * into);
   left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
+  result_.left_open = left_open_;
   if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;
   result_.accepted = true;
   trace_all();

@@ -12,7 +12,9 @@ InsertCount InsertWholeWindow::apply(const Window& window, const Update& update,
   }
   const auto old = window_.inside(), fresh = update.points(Tap::map);
   placed_.assign(old.begin(), old.end());
-  if (update.accepted) {
+  if (update.revision != nullptr) {  // it knows better than this update's correction alone where they lie
+    for (WorldPoint& point : placed_) point.p_W = update.revision->place(point);
+  } else if (update.accepted) {
     const Pose correction = update.state.pose() * update.prior.pose().inverse();  // eq. INS-1
     for (WorldPoint& point : placed_) point.p_W = correction * point.p_W;
   }

@@ -20,8 +20,8 @@ constexpr double kLeastSpread = 0.05;
 /// Of a direction in the plane to the thickness: a clump spans none.
 constexpr double kLeastAspect = 9;
 /// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels: what is below it is
-/// rounding, and may be negative.
-constexpr double kRounding = 1e-6;
+/// rounding, and may be negative. Of up to kRoundingPoints; of more, it grows as fast as their square at most.
+constexpr double kRounding = 1e-6, kRoundingPoints = 500;
 /// Of so many points the sums err by less than what a LiDAR's noise leaves; of a million, they lose whole points.
 constexpr double kMostPoints = 10000;
 /// Growth of the count that is worth a new fit.
@@ -361,7 +361,8 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(covariance);
   const Vec3& variance = solver.eigenvalues();  // ascending
-  const double thin = std::max(variance[0], kRounding * params_.voxel * params_.voxel);
+  const double rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2));
+  const double thin = std::max(variance[0], rounding * params_.voxel * params_.voxel);
   const bool planar = variance[0] < params_.thickness * params_.thickness && variance[1] > kLeastSpread * variance[2] &&
                       variance[1] > kLeastAspect * thin && solver.eigenvectors().allFinite();
   if (planar && !node.planar) node.stamp = stamp;

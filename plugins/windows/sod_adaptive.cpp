@@ -101,7 +101,7 @@ void SodAdaptiveWindow::absorb(const Feedback& feedback) {
   if (warming_up(feedback)) {
     schedule_.restart();
   } else {
-    const bool weak = feedback.status == UpdateStatus::few_matches || feedback.status == UpdateStatus::degenerate;
+    const bool weak = feedback.status == UpdateStatus::few_matches || feedback.left_open;
     schedule_.observe(feedback.overlap.value, weak ? weak_segments_ : 2);
   }
   request_.shift = schedule_.shift(frame_length_);

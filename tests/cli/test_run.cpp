@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "aslio/core/trajectory.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/io/writers.hpp"
 #include "fixture.hpp"
@@ -66,6 +67,23 @@ TEST_CASE("the window that starts the map is covered, whether its points enter a
     REQUIRE(ended.code == 0);
     CHECK(json(bench / insertion / "summary.json").at("coverage").get<double>() > 0.99);
   }
+}
+
+TEST_CASE("a reference that goes on after the data is no silence of the run") {
+  const Bench bench;
+  write_truth(bench / "truth.tum");
+  Trajectory longer(io::read_tum(bench / "truth.tum"));
+  const StampedPose last = longer.samples().back();
+  for (int k = 1; k <= 300; ++k) longer.append({last.t + k * kSecond / 100, last.T});
+  io::write_tum(bench / "longer.tum", longer.samples());
+  const Ended whole = bench.run("whole", {"--reference", bench / "longer.tum"});
+  INFO(whole.err);
+  REQUIRE(whole.code == 0);
+  CHECK(json(bench / "whole/summary.json").at("metrics").at("failed_at").is_null());
+  const Ended part = bench.run("part", {"--reference", bench / "longer.tum", "--duration", "1.25"});
+  INFO(part.err);
+  REQUIRE(part.code == 0);
+  CHECK(json(bench / "part/summary.json").at("metrics").at("failed_at").is_null());
 }
 
 TEST_CASE("the summary tells what the run amounts to, the manifest what was run") {

@@ -161,6 +161,29 @@ TEST_CASE("relative errors of a scale error are that scale times the distance") 
   CHECK_THROWS_AS(evaluate(line(1.02), line(1.0), options), DataError);
 }
 
+TEST_CASE("the distances of the relative errors are those of the reference, whatever the rate of the estimate") {
+  const auto straight = [](double speed, TimeNs period) {  // with a stop of 4 s in the middle
+    Trajectory out;
+    for (TimeNs t = 0; t <= 24 * kSecond; t += period) {
+      const double s = to_seconds(t), way = std::min(s, 10.0) + std::max(0.0, s - 14.0);
+      out.append({t, {Mat3::Identity(), Vec3(speed * way, std::sin(0.1 * speed * way), 0)}});
+    }
+    return out;
+  };
+  const auto distances = [&](double speed, TimeNs period) {
+    std::vector<double> found;
+    for (const RelativeError& error : evaluate(straight(speed, period), straight(speed, 5 * kMs)).rpe) {
+      if (error.unit == DeltaUnit::metres) found.push_back(error.delta);
+    }
+    return found;
+  };
+  for (const TimeNs period : {8 * kMs, 100 * kMs}) {
+    CHECK(distances(1.3, period) == std::vector{1.0, 5.0, 10.0});
+    CHECK(distances(3.0, period) == std::vector{1.0, 5.0, 10.0});
+    CHECK(distances(15.0, period) == std::vector{5.0, 10.0, 50.0, 100.0});
+  }
+}
+
 TEST_CASE("a stop on the way takes no pair away from the relative errors over a distance") {  // eq. EVAL-11
   // 10 m, a second or more of standing still, 10 m: from every pose up to 5 m before the end.
   for (const int stop : {0, 10, 100}) {

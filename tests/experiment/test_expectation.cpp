@@ -99,6 +99,21 @@ TEST_CASE("pairs, factors, sequences and failures in a rule") {
   CHECK(open.open == "1 run is missing");
 }
 
+TEST_CASE("a failed run has no place among figures of which the smaller is no better") {
+  const Judged judged;
+  Rows rows = rows_of(0.1);
+  for (auto& row : rows) row->figures.emplace_back("coverage", 0.9);
+  for (const std::size_t i : {1, 3, 5, 7, 9, 11}) rows[i]->figures.back().second = 0.95;
+  const std::string higher = "method: other, against: fixed, metric: coverage, higher_on: ";
+  CHECK(judged(higher + "3 of 3 sequences", rows).verdict == Verdict::holds);
+  for (const std::size_t i : {1, 3}) rows[i]->outcome.status = "diverged";
+  CHECK(judged(higher + "3 of 3 sequences", rows).verdict == Verdict::not_decided);
+  CHECK(judged(higher + "2 of 3 sequences", rows).verdict == Verdict::holds);
+  CHECK(judged(higher + "5 of 6 pairs", rows).verdict == Verdict::not_decided);
+  CHECK(judged("method: other, against: fixed, metric: coverage, not_lower_on: 1 of 3 sequences", rows).verdict ==
+        Verdict::not_decided);
+}
+
 TEST_CASE("a pair of a rule is a recording, whatever the number of order seeds") {
   const StudyFiles files;
   const auto text = [](const std::string& count) {

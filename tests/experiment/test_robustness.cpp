@@ -17,6 +17,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_run.hpp"
+#include "aslio/experiment/study_status.hpp"
 #include "study_files.hpp"
 
 using namespace aslio::test;
@@ -488,6 +489,8 @@ TEST_CASE("recordings that are worked on apart give the tables of the whole") {
     StudyOptions one = options(files.folder / "parts");
     one.recording = data.name;
     REQUIRE(run_apart(study, one) == 0);
+    const StudyStatus status = read_status(one.output);  // of the whole study, from the first call on
+    CHECK(status.total.all() == study.data.size() * study.methods.size());
   }
   CHECK_FALSE(fs::exists(files.folder / "parts/table.md"));
   Quiet monitor;

@@ -47,7 +47,7 @@ void require_poses(const Trajectory& estimate, const Trajectory& reference) {
 }
 
 void require_matches(const Association& association, const Trajectory& estimate, const Trajectory& reference,
-                     const std::string& limit) {
+                     const std::string& limit, const std::string& remedy) {
   if (!association.pairs.empty()) return;
   const std::string ranges =
       fmt::format("the estimate is from {}, the reference from {}", range_text(estimate), range_text(reference));
@@ -55,8 +55,7 @@ void require_matches(const Association& association, const Trajectory& estimate,
     throw DataError(fmt::format("estimate and reference have no time in common: {}; {}", ranges,
                                 mismatch_cause(estimate, reference)));
   }
-  throw DataError(
-      fmt::format("no estimated pose has a reference {}: {}; allow more, or use a denser reference", limit, ranges));
+  throw DataError(fmt::format("no estimated pose has a reference {}: {}; {}", limit, ranges, remedy));
 }
 
 /// Share of the reference's duration inside gaps of the estimate of at most `max_gap`. eq. EVAL-1
@@ -97,7 +96,8 @@ Association associate_interpolated(const Trajectory& estimate, const Trajectory&
     if (truth) result.pairs.push_back({sample.t, sample.T, *truth});
   }
   require_matches(result, estimate, reference,
-                  fmt::format("between two samples at most {} s apart", to_seconds(max_reference_gap)));
+                  fmt::format("between two samples at most {} s apart", to_seconds(max_reference_gap)),
+                  "use a denser reference");
   result.covered = covered_share(estimate, reference, max_estimate_gap);
   return result;
 }
@@ -117,7 +117,8 @@ Association associate_nearest(const Trajectory& estimate, const Trajectory& refe
     const StampedPose& truth = reference_shorter ? sample : other;
     result.pairs.push_back({ours.t, ours.T, truth.T});
   }
-  require_matches(result, estimate, reference, fmt::format("within {} s", to_seconds(max_difference)));
+  require_matches(result, estimate, reference, fmt::format("within {} s", to_seconds(max_difference)),
+                  "interpolate (without --evo), or use a denser reference");
   result.covered = covered_share(estimate, reference, max_estimate_gap);
   return result;
 }

@@ -112,13 +112,42 @@ EndToEnd end_to_end(const Trajectory& estimate, const std::vector<PosePair>& pai
   return result;
 }
 
-void evaluate_relative(const Sample& sample, Evaluation& result) {
-  std::vector<double> distances = result.options.distances;
-  if (distances.empty()) {
-    for (const double distance : {1.0, 5.0, 10.0, 50.0, 100.0}) {
-      if (distance <= 0.5 * result.reference_path) distances.push_back(distance);
-    }
+/// The way of this time is the shortest distance of the relative error: of the pairs of 10 Hz, six in ten are then
+/// within its tolerance at least [s].
+constexpr double kLeastDistanceTime = 0.3;
+
+/// Median speed of the reference where it moves, over steps of 0.1 s or, where its own are longer, over those [m/s].
+double usual_speed(const Trajectory& reference) {
+  constexpr TimeNs kStep = kSecond / 10;
+  constexpr double kStanding = 0.1;  // [m/s]
+  std::vector<double> speeds;
+  const auto samples = reference.samples();
+  for (std::size_t from = 0, to = 1; to < samples.size(); ++to) {
+    const TimeNs step = samples[to].t - samples[from].t;
+    if (step < kStep) continue;
+    const double speed = (samples[to].T.p - samples[from].T.p).norm() / to_seconds(step);
+    if (speed > kStanding) speeds.push_back(speed);
+    from = to;
   }
+  if (speeds.empty()) return 0;
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::nth_element(speeds.begin(), middle, speeds.end());
+  return *middle;
+}
+
+/// Distances by the reference alone, so that they are those of every estimate over it. eq. EVAL-11
+std::vector<double> distances_for(const Trajectory& reference, double path) {
+  const double least = kLeastDistanceTime * usual_speed(reference);
+  std::vector<double> out;
+  for (const double distance : {1.0, 5.0, 10.0, 50.0, 100.0}) {
+    if (distance >= least && distance <= 0.5 * path) out.push_back(distance);
+  }
+  return out;
+}
+
+void evaluate_relative(const Sample& sample, const Trajectory& reference, Evaluation& result) {
+  std::vector<double> distances = result.options.distances;
+  if (distances.empty()) distances = distances_for(reference, result.reference_path);
   for (const double distance : distances) {
     result.rpe.push_back(relative_error_over_distance(sample.pairs, sample.weights, distance));
   }
@@ -202,7 +231,7 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& reference, con
   result.ate_grid = aligned_errors(grid, options.alignment, "on the common grid", result);
 
   evaluate_turns(sample, reference, result);
-  evaluate_relative(sample, result);
+  evaluate_relative(sample, reference, result);
   result.end_to_end = end_to_end(estimate, sample.pairs);
   return result;
 }

@@ -25,12 +25,14 @@ evaluation::Options measuring_options(const Trajectory& reference, evaluation::R
 }
 
 std::optional<HeadlineRpe> headline_rpe(const evaluation::Evaluation& evaluation) {
-  std::optional<HeadlineRpe> shortest;
+  std::optional<evaluation::RelativeError> shortest;
   for (const auto& error : evaluation.rpe) {
-    if (error.unit != evaluation::DeltaUnit::metres || error.pairs == 0) continue;
-    if (!shortest || error.delta < shortest->distance_m) shortest = {error.translation_rmse, error.delta};
+    if (error.unit != evaluation::DeltaUnit::metres || (shortest && shortest->delta <= error.delta)) continue;
+    shortest = error;
   }
-  return shortest;
+  // Not over the next one that has pairs: another method's would be over this one.
+  if (!shortest || shortest->pairs == 0) return std::nullopt;
+  return HeadlineRpe{shortest->translation_rmse, shortest->delta};
 }
 
 namespace {

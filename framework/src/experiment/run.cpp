@@ -272,12 +272,13 @@ void measure(Summary& summary, const std::vector<StampedPose>& poses, const Traj
 }
 
 /// Pre: the run has been judged.
-/// `was_ended`: by a DivergenceWatch.
-void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference, bool was_ended) {
+/// `data_end`: a run is not silent after it, though the reference goes on. `was_ended`: by a DivergenceWatch.
+void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference,
+                  std::optional<TimeNs> data_end, bool was_ended) {
   if (reference.samples().empty()) return;
   const auto& poses = collector.poses();
-  // A run that was ended when it diverged is not silent for the rest of its reference.
-  const TimeNs end = reference.samples().back().t;
+  const TimeNs end = std::min(reference.samples().back().t, data_end.value_or(kTimeMax));
+  // Nor is one that was ended when it diverged, for the rest of them.
   std::optional<TimeNs> other = collector.lost_at(was_ended ? std::min(end, poses.back().t) : end);
   const bool good = summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded;
   if (!good && !poses.empty()) {
@@ -342,7 +343,8 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     if (found && (!outcome.divergence || found->first < outcome.divergence->first)) outcome.divergence = found;
   }
   judge(summary, outcome);
-  if (prepared.reference) mark_failure(summary, loop.collector(), *prepared.reference, loop.was_ended());
+  if (prepared.reference)
+    mark_failure(summary, loop.collector(), *prepared.reference, source->end_time(), loop.was_ended());
   result.bad_data = blames_data(summary, loop.bad_data());
   for (const std::string& warning : source->notes().warnings) {
     if (std::find(told.begin(), told.end(), warning) == told.end()) result.late_warnings.push_back(warning);

@@ -173,7 +173,7 @@ class Judge {
       if (!concerns(rule, figures_.sequences()[s])) continue;
       ++count.of;
       const Replicates mine = figures_.replicates(s, a, rule.metric), other = figures_.replicates(s, b, rule.metric);
-      if (std::min(mine.runs, other.runs) < planned(s)) {
+      if (std::min(mine.runs, other.runs) < planned(s) || no_place(rule, mine.failed + other.failed > 0)) {
         ++count.missing;
       } else {
         count.won += won(*mine.median(), *other.median()) ? 1 : 0;
@@ -189,7 +189,8 @@ class Judge {
       if (!concerns(rule, study_.data[d].sequence)) continue;
       ++count.of;
       const Pair pair = figures_.pair(d, a, b, rule.metric);
-      if (pair.seeds < study_.order_seeds.size()) {
+      const bool failed = pair.value == kFailedFigure || pair.baseline == kFailedFigure;
+      if (pair.seeds < study_.order_seeds.size() || no_place(rule, failed)) {
         ++count.missing;
       } else {
         count.won += won(*pair.value, *pair.baseline) ? 1 : 0;
@@ -197,6 +198,10 @@ class Judge {
     }
     return count;
   }
+
+  /// A failed run is worse than any figure, which is larger where smaller is better; among other figures it has no
+  /// place, neither as a low coverage nor as a high one.
+  static bool no_place(const Rule& rule, bool failed) { return failed && !smaller_is_better(rule.metric); }
 
   static std::string missing_runs(std::size_t count) {
     return fmt::format("{} run{} missing", count, count == 1 ? " is" : "s are");

@@ -202,6 +202,7 @@ class Reader {
       resolved = reading_.resolve_scene(data.scene, with_seed(config.set, seeds.front()));
       // Of scenes that go by the seed, one and the same stands for all: that of seed 1.
       const std::string all = by_seed ? reading_.resolve_scene(data.scene, with_seed(config.set, 1)) : resolved;
+      study_.sources.emplace(data.scene, sha256_of_file(data.scene));
       require_one_scene(data.sequence, (by_seed ? "by seed\n" : "") + all, index);
       for (const std::uint64_t seed : seeds) {
         data.seed = seed;
@@ -337,6 +338,7 @@ class Reader {
       pipeline::check_stages(loaded, made_later(method.set));
       method.resolved = loaded.resolved;
       method.paths = paths_in(method.resolved);
+      study_.sources.emplace(method.pipeline, sha256_of_file(method.pipeline));
       return true;
     } catch (const ConfigError& error) {
       const bool set = study_.config.methods[index].set.is_map();

@@ -60,7 +60,7 @@ class Reader {
     const std::size_t data = plan_.column("data"), sequence = plan_.column("sequence"), run = plan_.column("run"),
                       method = plan_.column("method"), key = plan_.column("key");
     for (const auto& row : plan_.rows) {
-      if (row[data] != data_) begun_ = begun_in(output_ / "runs" / row[data]);
+      if (row[data] != data_) look_into(output_ / "runs" / row[data]);
       data_ = row[data];
       const std::size_t s = index_of(status_.sequences, row[sequence]), m = index_of(status_.methods, row[method]);
       status_.cells.resize(status_.sequences.size());
@@ -75,11 +75,20 @@ class Reader {
         status_.total.waiting += c.waiting;
       }
     }
+    status_.at_work |= recordings_at_work_;
     estimate();
     return std::move(status_);
   }
 
  private:
+  /// A call with --recording holds the folder of its runs alone.
+  void look_into(const fs::path& folder) {
+    begun_ = begun_in(folder);
+    std::error_code ignored;
+    held_ = status_.at_work || (fs::exists(folder, ignored) && !FolderLock::take(folder, true).has_value());
+    recordings_at_work_ |= held_;
+  }
+
   bool on_cluster() const {
     std::error_code ignored;
     return fs::exists(output_ / "slurm" / "waiting", ignored);
@@ -88,7 +97,7 @@ class Reader {
   void add(const std::string& run, const std::string& key, std::size_t method, RunCounts& counts) {
     const std::string name = data_ + "/" + run;
     const auto begun = begun_.find(run);
-    const bool running = begun != begun_.end() && status_.at_work;  // maybe again, beside an outcome that did not stand
+    const bool running = begun != begun_.end() && held_;  // maybe again, beside an outcome that did not stand
     if (const auto outcome = running ? std::nullopt : finished(output_ / "runs" / data_ / run, key)) {
       StudyRow row;
       row.outcome = *outcome;
@@ -134,6 +143,7 @@ class Reader {
   StudyStatus status_;
   std::string data_;
   std::map<std::string, fs::file_time_type> begun_;
+  bool held_ = false, recordings_at_work_ = false;
   std::map<std::size_t, std::vector<double>> times_;  ///< of finished runs, by method [s]
   std::map<std::size_t, std::size_t> left_;           ///< by method
 };
@@ -155,7 +165,9 @@ std::string list(const std::string& title, const std::vector<std::string>& lines
 
 }  // namespace
 
-void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const fs::path& output) {
+void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const fs::path& output, bool keep) {
+  std::error_code ignored;
+  if (keep && fs::exists(output / kPlanFile, ignored)) return;
   io::AtomicFile file(output / kPlanFile);
   file.write("data,sequence,run,method,identity,key,jobs\n");
   for (std::size_t i = 0; i < runs.size(); ++i) {

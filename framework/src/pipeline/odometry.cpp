@@ -83,8 +83,10 @@ class Odometry::Loop {
     report(window, past, update, record);
     // Of a map that has begun anew nothing is known.
     const OverlapScore overlap = update.restart_map ? OverlapScore{} : record.overlap;
-    feedback_ = {plan.end,     feedback_.first_insertion, update.status,   overlap,
-                 update.state, update.spectrum,           record.n_matches};
+    // An estimator that says so by its status alone means it, too.
+    const bool left_open = update.left_open || update.status == UpdateStatus::degenerate;
+    feedback_ = {plan.end,     feedback_.first_insertion, update.status,    overlap,
+                 update.state, update.spectrum,           record.n_matches, left_open};
   }
 
   void finish() {

@@ -56,6 +56,37 @@ TEST_CASE("whole_window: every update inserts what is inside its window, the old
   }
 }
 
+TEST_CASE("whole_window: old points lie where the estimator has moved them") {
+  struct Moved final : PointRevision {
+    Vec3 place(const WorldPoint& point) const override {
+      return point.p_W + Vec3(0, 0, 1e-9) * static_cast<double>(point.t);
+    }
+  } const moved;
+  test::BuildEnvironment environment;  // eq. INS-1 with IESKF-12
+  plugins::InsertWholeWindow insertion({}, environment.context());
+  RandomWindows windows(7);
+  std::vector<WorldPoint> inside;  // as their own updates placed them
+  std::size_t old_points = 0;
+  for (int k = 0; k < 50; ++k) {
+    windows.next();
+    if (!windows.update.insert || !windows.update.accepted) {  // passed over, as a refused step
+      inside.clear();
+      continue;
+    }
+    std::erase_if(inside, [&](const WorldPoint& p) { return p.t <= windows.window.plan.history_begin; });
+    windows.update.revision = &moved;
+    RecordingMap map;
+    insertion.apply(windows.window, windows.update, map);
+    const auto fresh = windows.update.points(Tap::map);
+    REQUIRE(map.given.size() == inside.size() + fresh.size());
+    for (std::size_t i = 0; i < inside.size(); ++i) REQUIRE(map.given[i].p_W == moved.place(inside[i]));
+    for (std::size_t i = 0; i < fresh.size(); ++i) REQUIRE(map.given[inside.size() + i].p_W == fresh[i].p_W);
+    old_points += inside.size();
+    inside.insert(inside.end(), fresh.begin(), fresh.end());
+  }
+  CHECK(old_points > 100);
+}
+
 TEST_CASE("whole_window: a map that begins anew takes the points of that update alone") {
   test::BuildEnvironment environment;
   plugins::InsertWholeWindow insertion({}, environment.context());

@@ -1,4 +1,6 @@
 // Planes in voxels: levels, closing, flatness. (eq. MAP-1)
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <limits>
 
@@ -140,6 +142,22 @@ TEST_CASE("voxel_plane: a clump or a line is no plane, whatever the rounding say
       for (int i = 0; i < 100; ++i) points.push_back(at(planes.corner + begin + shift + (i / 100.0) * along));
       planes.map->insert(points, 1);
       CHECK_FALSE(planes.at_point(begin + shift).valid);
+    }
+  }
+}
+
+TEST_CASE("voxel_plane: a clump of the most points a voxel may have is no plane, either") {
+  for (const double voxel : {1.0, 3.0, 10.0}) {
+    for (int trial = 0; trial < 4; ++trial) {
+      CAPTURE(voxel, trial);
+      Planes planes(
+          fmt::format("{{type: voxel_plane, voxel: {}, levels: 1, thickness: 0.1, max_points: 10000}}", voxel), voxel);
+      const Vec3 middle = voxel * Vec3(planes.uniform(0.1, 0.9), planes.uniform(0.1, 0.9), planes.uniform(0.1, 0.9));
+      const auto near = [&] { return planes.uniform(-5e-5, 5e-5); };
+      std::vector<WorldPoint> points;
+      for (int i = 0; i < 10000; ++i) points.push_back(at(planes.corner + middle + Vec3(near(), near(), near())));
+      planes.map->insert(points, 1);
+      CHECK_FALSE(planes.at_point(middle).valid);
     }
   }
 }

@@ -23,7 +23,8 @@ struct Options {
   double evo_max_difference = 0.01;  ///< [s]
   double grid_period = 0.1;          ///< [s]
   double turn_rate = 0.5;            ///< [rad/s] of the reference: above is a turn, below is straight
-  /// [m] distances of the relative error; empty: those of 1, 5, 10, 50, 100 m up to half the reference's path.
+  /// [m] distances of the relative error; empty: those of 1, 5, 10, 50, 100 m from the way of 0.3 s at the reference's
+  /// usual speed, below which an estimate of 10 Hz may have no pairs, up to half its path.
   std::vector<double> distances;
   std::vector<double> durations = {1.0};  ///< [s]
 };

@@ -15,7 +15,7 @@ namespace aslio::experiment {
 evaluation::Options measuring_options(const Trajectory& reference, evaluation::Rule rule);
 
 /// Translation RMSE [m] over the shortest distance of the relative errors, the headline figure `rpe`. Nothing when the
-/// reference's path is too short for any.
+/// reference's path is too short for any, or the estimate's poses are too far apart for that one.
 struct HeadlineRpe {
   double rmse_m = 0;
   double distance_m = 0;

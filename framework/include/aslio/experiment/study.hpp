@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -119,8 +120,13 @@ struct Study {
   std::vector<std::uint64_t> order_seeds;
   /// By method: the one to compare it with, if any. A baseline with axes: the variant at the same values.
   std::vector<std::optional<std::size_t>> baseline;
-  std::string resolved;  ///< YAML with every key at its effective value
+  std::string resolved;                                  ///< YAML with every key at its effective value
+  std::map<std::filesystem::path, std::string> sources;  ///< SHA-256 of its pipelines and scenes as they were read
 };
+
+/// Throws DataError when a pipeline or a scene of the study is no longer what was read: a run of the new text must not
+/// stand under the key of the old one.
+void require_unchanged(const Study& study, const std::filesystem::path& source);
 
 /// Keys in which the resolved pipelines differ.
 std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMethod& baseline);

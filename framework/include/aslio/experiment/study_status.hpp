@@ -10,8 +10,10 @@
 
 namespace aslio::experiment {
 
-/// Writes plan.csv: all runs of the study, whichever of them a call is to make. Throws DataError.
-void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const std::filesystem::path& output);
+/// Writes plan.csv: all runs of the study, whichever of them a call is to make. `keep`: not where there is one. Throws
+/// DataError.
+void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const std::filesystem::path& output,
+                bool keep = false);
 
 /// Runs by their state.
 struct RunCounts {

@@ -66,6 +66,7 @@ struct Update {
   UpdateStatus status = UpdateStatus::initialising;
   bool accepted = false;     ///< the state was corrected by this window's points
   bool insert = true;        ///< the points may enter map, overlap and history (false: refused step)
+  bool left_open = false;    ///< the points left a direction unknown (`degenerate`, or hidden by `not_converged`)
   bool restart_map = false;  ///< the map is to begin anew with these points: what it holds was placed too badly
   NavState prior;            ///< at the end of the window, propagated
   NavState state;            ///< posterior (equals the prior when not accepted)

@@ -1,0 +1,50 @@
+/// Files of a study that change while it is at work.
+
+#include <catch2/catch.hpp>
+
+#include "aslio/experiment/study_run.hpp"
+#include "study_files.hpp"
+
+using namespace aslio::test;
+using namespace aslio::experiment;
+using Catch::Matchers::Contains;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Writes to a file when the first run is told.
+struct Writer final : StudyMonitor {
+  explicit Writer(fs::path to) : file(std::move(to)) {}
+  void on_line(const std::string& line) override {
+    if (line.find("[1/") != std::string::npos) write_text(file, content(file) + "# changed\n");
+  }
+  bool stop_requested() override { return false; }
+  fs::path file;
+};
+
+}  // namespace
+
+TEST_CASE("a pipeline or a scene that changes ends the study, and no run stands under the old text") {
+  const StudyFiles files;
+  const std::string pipeline = content(std::string(ASLIO_SOURCE_DIR) + "/configs/pipelines/fixed_window.yaml");
+  for (const std::string changed : {"own.yaml", "scene_c.yaml"}) {
+    CAPTURE(changed);
+    write_text(files.folder / "own.yaml", pipeline);
+    write_text(files.folder / "scene_c.yaml", "third place\n");
+    const Study study = files.load(head() +
+                                   "datasets: [{scene: scene_a.yaml}, {scene: scene_b.yaml}, {scene: scene_c.yaml}]\n"
+                                   "methods:\n  - {name: own, pipeline: own.yaml}\n");
+    StudyOptions how;
+    how.output = files.folder / ("out_" + changed);
+    how.jobs = 1;
+    how.program = "program";
+    how.executable = ASLIO_CHILD_PROGRAM;
+    Writer writer(files.folder / changed);
+    CHECK_THROWS_WITH(run_study(study, how, writer), Contains(changed + ": has changed"));
+    const auto rows = rows_so_far(study, plan_runs(study, how.program, fs::absolute(how.output) / "runs"), how.output);
+    CHECK(rows[0].has_value());
+    CHECK_FALSE(rows[2].has_value());  // of jobs + 1 scenes the data are made ahead
+    CHECK_FALSE(fs::exists(how.output / "runs/scene_c_1/own"));
+  }
+}
