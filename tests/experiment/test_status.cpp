@@ -82,6 +82,39 @@ TEST_CASE("the status of a study tells what is finished, what runs and what wait
   CHECK(after.total.waiting == 10);
 }
 
+TEST_CASE("a call over one recording is seen at work, and one of yesterday's plans is no plan of today") {
+  const StudyFiles files;
+  const Study study = files.load(study_text({"one", "hang"}));
+  const fs::path output = files.folder / "out";
+  fs::create_directories(output);
+  write_text(output / "plan.csv", "data,sequence,run,method,identity,key,jobs\nold_1,old,one,one,x,y,7\n");
+  StudyOptions part = options(output);
+  part.recording = "scene_a_2";
+  const pid_t id = ::fork();
+  if (id == 0) {
+    Quiet monitor;
+    run_study(study, part, monitor);
+    ::_exit(0);
+  }
+  StudyStatus status;
+  for (int i = 0; i < 1000 && status.running.empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (fs::exists(output / "runs/scene_a_2/one/run_key.json")) status = read_status(output);
+  }
+  ::kill(id, SIGKILL);
+  ::waitpid(id, nullptr, 0);
+  CHECK(status.at_work);
+  CHECK(status.total.running == 1);
+  CHECK(status.total.all() == 8);
+  StudyStatus after = read_status(output);
+  for (int i = 0; i < 1000 && after.at_work; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    after = read_status(output);
+  }
+  CHECK_FALSE(after.at_work);
+  CHECK(after.total.running == 0);
+}
+
 TEST_CASE("nobody is at work when the cluster has refused") {
   const StudyFiles files;
   const Study study = files.load(study_text({"one"}));

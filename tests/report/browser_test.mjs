@@ -60,9 +60,9 @@ test('a channel holds no value where its line breaks', () => {
     return btoa(String.fromCharCode(...bytes));
   };
   const channel = {t: packed(0, 10000, 20000, 10000), v: packed(5, 1, 1, 1), unit: 1, breaks: packed(2)};
-  assert.deepEqual(channelOf(channel), {t: Float64Array.of(0, 1, 2, 3, 4), v: Float64Array.of(5, 6, NaN, 7, 8)});
+  assert.deepEqual(channelOf(channel), {t: Float64Array.of(0, 1, 2, 3, 4), v: Float64Array.of(5, 6, NaN, 7, 8), unit: 1});
   delete channel.breaks;
-  assert.deepEqual(channelOf(channel), {t: Float64Array.of(0, 1, 3, 4), v: Float64Array.of(5, 6, 7, 8)});
+  assert.deepEqual(channelOf(channel), {t: Float64Array.of(0, 1, 3, 4), v: Float64Array.of(5, 6, 7, 8), unit: 1});
 });
 
 test('the study stands on top, with its verdict', async () => {

@@ -81,9 +81,10 @@ def ranges(numbers):
 
 
 def command(study, options):
-    """What makes these runs again: a line for every group of sequences with seeds of its own."""
+    """What makes these runs again; more than these where sequences have seeds of their own, which is told."""
     words = ["aslio experiment", f"experiments/{study.name}.yaml", "--output", f"out/{study.name}"]
     seeds_of = {sequence: ranges({int(run.seed) for run in study.runs if run.sequence == sequence and run.seed}) for sequence in study.sequences}
+    seeds = {int(seed) for seed in study.seeds() if seed}
     scales = {study.scale(run.data) for run in study.runs if study.data_file(run.data, "scene.yaml").exists()}
     if len(scales) > 1:
         raise FolderError(f"{study.folder}: has runs of several scales ({', '.join(f'{scale:g}' for scale in sorted(scales))}), which no one command makes")
@@ -93,12 +94,11 @@ def command(study, options):
         judged += ["--best-fixed", options.best_fixed]
     if options.tuning:
         judged += ["--tuning", "out/tuning"]
-    if len(set(seeds_of.values())) == 1:
-        calls = [["--seeds", seeds] if seeds else [] for seeds in set(seeds_of.values())]
-    else:
-        calls = [["--only", f'"{sequence}_[0-9]*"', *(["--seeds", seeds] if seeds else [])] for sequence, seeds in seeds_of.items()]
-    lines = [" ".join(words + call + scaled) for call in calls]
-    return "\n".join(["```", *lines, " ".join(judged), "```"])
+    call = " ".join(words + (["--seeds", ranges(seeds)] if seeds else []) + scaled)
+    text = "\n".join(["```", call, " ".join(judged), "```"])
+    if len(set(seeds_of.values())) > 1:
+        text += "\n\nSeeds, of which the command makes all for every sequence: " + ", ".join(f"{s} {n}" for s, n in seeds_of.items() if n) + "."
+    return text
 
 
 def revisions(study):

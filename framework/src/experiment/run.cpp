@@ -271,6 +271,11 @@ void measure(Summary& summary, const std::vector<StampedPose>& poses, const Traj
   }
 }
 
+/// The end of data that were read to their end: a recording may hold other topics, which go on.
+std::optional<TimeNs> last_arrived(const stream::MeasurementStream& stream) {
+  return std::max(stream.last_point(), stream.last_imu());
+}
+
 /// Pre: the run has been judged.
 /// `data_end`: a run is not silent after it, though the reference goes on. `was_ended`: by a DivergenceWatch.
 void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference,
@@ -343,8 +348,10 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     if (found && (!outcome.divergence || found->first < outcome.divergence->first)) outcome.divergence = found;
   }
   judge(summary, outcome);
-  if (prepared.reference)
-    mark_failure(summary, loop.collector(), *prepared.reference, source->end_time(), loop.was_ended());
+  if (prepared.reference) {
+    const auto data_end = whole ? last_arrived(odometry.stream()) : source->end_time();
+    mark_failure(summary, loop.collector(), *prepared.reference, data_end, loop.was_ended());
+  }
   result.bad_data = blames_data(summary, loop.bad_data());
   for (const std::string& warning : source->notes().warnings) {
     if (std::find(told.begin(), told.end(), warning) == told.end()) result.late_warnings.push_back(warning);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <set>
@@ -85,7 +86,7 @@ class Reader {
   void look_into(const fs::path& folder) {
     begun_ = begun_in(folder);
     std::error_code ignored;
-    held_ = status_.at_work || (fs::exists(folder, ignored) && !FolderLock::take(folder, true).has_value());
+    held_ = status_.at_work || (fs::exists(folder, ignored) && !FolderLock::take(folder, false).has_value());
     recordings_at_work_ |= held_;
   }
 
@@ -166,15 +167,22 @@ std::string list(const std::string& title, const std::vector<std::string>& lines
 }  // namespace
 
 void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const fs::path& output, bool keep) {
-  std::error_code ignored;
-  if (keep && fs::exists(output / kPlanFile, ignored)) return;
-  io::AtomicFile file(output / kPlanFile);
-  file.write("data,sequence,run,method,identity,key,jobs\n");
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const StudyData& data = study.data[runs[i].data];
-    file.write(fmt::format("{},{},{},{},{},{},{}\n", data.name, data.sequence, runs[i].folder,
-                           study.methods[runs[i].method].name, data.identity, runs[i].key, jobs));
+  const auto text = [&](const std::string& at_once) {
+    std::string all = "data,sequence,run,method,identity,key,jobs\n";
+    for (const StudyRun& run : runs) {
+      const StudyData& data = study.data[run.data];
+      all += fmt::format("{},{},{},{},{},{},{}\n", data.name, data.sequence, run.folder, study.methods[run.method].name,
+                         data.identity, run.key, at_once);
+    }
+    return all;
+  };
+  if (keep) {
+    std::ifstream file(output / kPlanFile);
+    const std::string there(std::istreambuf_iterator<char>(file), {}), last = there.substr(0, there.rfind('\n'));
+    if (!there.empty() && there == text(last.substr(last.rfind(',') + 1))) return;
   }
+  io::AtomicFile file(output / kPlanFile);
+  file.write(text(fmt::to_string(jobs)));
   file.close();
 }
 

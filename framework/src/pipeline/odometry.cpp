@@ -83,10 +83,8 @@ class Odometry::Loop {
     report(window, past, update, record);
     // Of a map that has begun anew nothing is known.
     const OverlapScore overlap = update.restart_map ? OverlapScore{} : record.overlap;
-    // An estimator that says so by its status alone means it, too.
-    const bool left_open = update.left_open || update.status == UpdateStatus::degenerate;
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,    overlap,
-                 update.state, update.spectrum,           record.n_matches, left_open};
+                 update.state, update.spectrum,           record.n_matches, update.leaves_open()};
   }
 
   void finish() {

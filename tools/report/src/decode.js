@@ -30,11 +30,11 @@ export function unpack(text, unit) {
 
 const TIME_UNIT = 1e-4, LENGTH_UNIT = 1e-3, ERROR_UNIT = 1e-4;
 
-/** {t, v}: a channel over time; v is NaN halfway where values are missing. */
+/** {t, v, unit}: a channel over time; v is NaN halfway where values are missing, and in multiples of `unit`. */
 export function channelOf(packed) {
   if (!packed) return packed;
   const t = unpack(packed.t, TIME_UNIT), v = unpack(packed.v, packed.unit);
-  if (!packed.breaks) return {t, v};
+  if (!packed.breaks) return {t, v, unit: packed.unit};
   const breaks = new Set(unpack(packed.breaks, 1));
   const all = {t: [], v: []};
   t.forEach((time, i) => {
@@ -45,7 +45,7 @@ export function channelOf(packed) {
     all.t.push(time);
     all.v.push(v[i]);
   });
-  return {t: Float64Array.from(all.t), v: Float64Array.from(all.v)};
+  return {t: Float64Array.from(all.t), v: Float64Array.from(all.v), unit: packed.unit};
 }
 
 /** {t, x, y, z, q, dx, dy, dz, e}: a trajectory; errors only where there is truth, e is NaN at poses that have none. */

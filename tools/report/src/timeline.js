@@ -80,8 +80,9 @@ export class Timeline {
   plot(place, readings, name, lines, last) {
     const logarithmic = LOGARITHMIC.has(name) && lines.some(({channel}) => channel.v.some((v) => v > 0));
     // null breaks a line. What join() has to fill in, since another run has a sample there, is undefined, and breaks none.
-    const drawn = (v) => (Number.isFinite(v) && (v > 0 || !logarithmic) ? v : null);
-    const joined = uPlot.join(lines.map(({channel}) => [channel.t, Array.from(channel.v, drawn)]));
+    // On a logarithmic scale what was rounded to 0 is half of what it was rounded by.
+    const drawn = (v, unit) => (!Number.isFinite(v) ? null : logarithmic ? Math.max(v, unit / 2) : v);
+    const joined = uPlot.join(lines.map(({channel}) => [channel.t, Array.from(channel.v, (v) => drawn(v, channel.unit))]));
     const series = lines.map((line) => ({
       label: line.name, stroke: line.colour, width: line.dash ? 1 : 1.3, spanGaps: false, points: {show: true, size: 3, filter: lonely}, dash: line.dash,
       paths: STEPS.has(name) ? uPlot.paths.stepped({align: -1}) : undefined,

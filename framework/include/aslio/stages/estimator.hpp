@@ -84,6 +84,8 @@ struct Update {
   const PointRevision* revision = nullptr;
   StageTimes times;
 
+  /// One that says so by its status alone means it, too.
+  bool leaves_open() const { return left_open || status == UpdateStatus::degenerate; }
   std::span<const WorldPoint> points(Tap tap) const {
     return tap == Tap::overlap ? overlap_points : tap == Tap::map ? map_points : match_points;
   }

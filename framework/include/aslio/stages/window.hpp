@@ -34,7 +34,7 @@ struct Feedback {
   NavState state;
   std::array<double, 6> spectrum{};  ///< eigenvalues of the pose information, ascending
   std::uint32_t matches = 0;
-  bool left_open = false;  ///< Update::left_open
+  bool left_open = false;  ///< Update::leaves_open()
 };
 
 /// Read access to the time-ordered stream, as far as it has arrived.
