@@ -38,6 +38,29 @@ std::string study_text(const std::vector<std::string>& names) {
   return text + "metrics: [ate_m]\ntime_limit: 20\n";
 }
 
+/// Of a study that is killed when a run hangs and the runs of the folder `done` are finished: its status before, and
+/// when nobody holds its locks any more, as a child that was just begun does until it is gone.
+std::pair<StudyStatus, StudyStatus> status_before_and_after(const Study& study, const StudyOptions& how,
+                                                            const fs::path& done) {
+  const pid_t id = ::fork();
+  if (id == 0) {
+    Quiet monitor;
+    run_study(study, how, monitor);
+    ::_exit(0);
+  }
+  const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(10)); };
+  StudyStatus before;
+  for (int i = 0; i < 1000 && before.running.empty(); ++i, pause()) {
+    if (fs::exists(how.output / "plan.csv") && fs::exists(how.output / done / "run_key.json"))
+      before = read_status(how.output);
+  }
+  ::kill(id, SIGKILL);
+  ::waitpid(id, nullptr, 0);
+  StudyStatus after = read_status(how.output);
+  for (int i = 0; i < 1000 && after.at_work; ++i, pause()) after = read_status(how.output);
+  return {before, after};
+}
+
 }  // namespace
 
 TEST_CASE("the status of a study tells what is finished, what runs and what waits") {
@@ -45,21 +68,8 @@ TEST_CASE("the status of a study tells what is finished, what runs and what wait
   const Study study = files.load(study_text({"one", "mute", "hang"}));
   const fs::path output = files.folder / "out";
   CHECK_THROWS_WITH(read_status(output), Contains("no study has been here"));
-  const pid_t id = ::fork();
-  if (id == 0) {
-    Quiet monitor;
-    run_study(study, options(output), monitor);
-    ::_exit(0);
-  }
-  StudyStatus status;
-  for (int i = 0; i < 1000 && status.running.empty(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    const bool hangs = fs::exists(output / "plan.csv") && fs::exists(output / "runs/scene_a_1/mute/run_key.json");
-    if (hangs) status = read_status(output);
-  }
+  const auto [status, after] = status_before_and_after(study, options(output), "runs/scene_a_1/mute");
   const std::string text = to_text(status);
-  ::kill(id, SIGKILL);
-  ::waitpid(id, nullptr, 0);
   INFO(text);
   CHECK(status.at_work);
   CHECK(status.methods == std::vector<std::string>{"one", "mute", "hang"});
@@ -71,12 +81,7 @@ TEST_CASE("the status of a study tells what is finished, what runs and what wait
   CHECK_THAT(text, Contains("scene_a   1/4  1/4 1x  0/4 1r") && Contains("12 runs: 1 finished, 1 failed, 1 running") &&
                        Contains("scene_a_1/hang, for ") &&
                        Contains("scene_a_1/mute: failed (exit code 1 without a complaint)"));
-  // Killed: what was running waits again. A child that was just begun holds the lock until it is gone, too.
-  StudyStatus after = read_status(output);
-  for (int i = 0; i < 1000 && after.at_work; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    after = read_status(output);
-  }
+  // Killed: what was running waits again.
   CHECK_FALSE(after.at_work);
   CHECK(after.total.running == 0);
   CHECK(after.total.waiting == 10);
@@ -90,27 +95,10 @@ TEST_CASE("a call over one recording is seen at work, and one of yesterday's pla
   write_text(output / "plan.csv", "data,sequence,run,method,identity,key,jobs\nold_1,old,one,one,x,y,7\n");
   StudyOptions part = options(output);
   part.recording = "scene_a_2";
-  const pid_t id = ::fork();
-  if (id == 0) {
-    Quiet monitor;
-    run_study(study, part, monitor);
-    ::_exit(0);
-  }
-  StudyStatus status;
-  for (int i = 0; i < 1000 && status.running.empty(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    if (fs::exists(output / "runs/scene_a_2/one/run_key.json")) status = read_status(output);
-  }
-  ::kill(id, SIGKILL);
-  ::waitpid(id, nullptr, 0);
+  const auto [status, after] = status_before_and_after(study, part, "runs/scene_a_2/one");
   CHECK(status.at_work);
   CHECK(status.total.running == 1);
   CHECK(status.total.all() == 8);
-  StudyStatus after = read_status(output);
-  for (int i = 0; i < 1000 && after.at_work; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    after = read_status(output);
-  }
   CHECK_FALSE(after.at_work);
   CHECK(after.total.running == 0);
 }

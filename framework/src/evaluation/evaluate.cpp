@@ -5,6 +5,7 @@
 #include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/evaluation/evaluation.hpp"
+#include "aslio/statistics/order.hpp"
 
 namespace aslio::evaluation {
 
@@ -129,10 +130,7 @@ double usual_speed(const Trajectory& reference) {
     if (speed > kStanding) speeds.push_back(speed);
     from = to;
   }
-  if (speeds.empty()) return 0;
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
-  return *middle;
+  return statistics::median(speeds).value_or(0);
 }
 
 /// Distances by the reference alone, so that they are those of every estimate over it. eq. EVAL-11

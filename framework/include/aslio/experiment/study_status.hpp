@@ -11,8 +11,7 @@
 namespace aslio::experiment {
 
 /// Writes plan.csv: all runs of the study, whichever of them a call is to make. `keep`: not where the same is there for
-/// another number of jobs. Throws
-/// DataError.
+/// another number of jobs. Throws DataError.
 void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const std::filesystem::path& output,
                 bool keep = false);
 
