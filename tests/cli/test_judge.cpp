@@ -218,3 +218,18 @@ TEST_CASE("a watch ends a run when nothing can change any more, and never one th
   CHECK(ended > 100);
   CHECK(came_back > 5);
 }
+
+TEST_CASE("rpe is over the shortest distance of the recording, or over none") {
+  aslio::evaluation::Evaluation evaluation;
+  using aslio::evaluation::DeltaUnit;
+  evaluation.rpe = {{.delta = 5, .unit = DeltaUnit::metres, .pairs = 3, .translation_rmse = 0.2},
+                    {.delta = 1, .unit = DeltaUnit::metres, .pairs = 7, .translation_rmse = 0.1},
+                    {.delta = 0.5, .unit = DeltaUnit::seconds, .pairs = 9, .translation_rmse = 0.3}};
+  const auto found = aslio::experiment::headline_rpe(evaluation);
+  REQUIRE(found);
+  CHECK(found->distance_m == 1);
+  CHECK(found->rmse_m == 0.1);
+  // Poses too far apart for it: that over 5 m would be compared with that of others over 1 m.
+  evaluation.rpe[1].pairs = 0;
+  CHECK_FALSE(aslio::experiment::headline_rpe(evaluation));
+}

@@ -5,7 +5,6 @@
 #include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/evaluation/evaluation.hpp"
-#include "aslio/statistics/order.hpp"
 
 namespace aslio::evaluation {
 
@@ -130,7 +129,7 @@ double usual_speed(const Trajectory& reference) {
     if (speed > kStanding) speeds.push_back(speed);
     from = to;
   }
-  return statistics::median(speeds).value_or(0);
+  return weighted_statistics(speeds, std::vector<double>(speeds.size(), 1.0)).median;  // 0 of nothing
 }
 
 /// Distances by the reference alone, so that they are those of every estimate over it. eq. EVAL-11
