@@ -132,7 +132,7 @@ TEST_CASE("gaps: 2 s without LiDAR are bridged by the IMU, 0.05 s without IMU ar
   }
 }
 
-TEST_CASE("a state driven beyond max_speed ends the run, nothing is taken after it") {
+TEST_CASE("a state driven beyond max_speed is lost, and no update follows where nothing lets it begin anew") {
   const simulator::AnalyticWorld world({.duration_scale = 0.5});
   const auto source = world.source();
   Recording recording = record(*source, world.begin_time() + to_ns(2.5));
