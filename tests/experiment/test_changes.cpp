@@ -48,3 +48,28 @@ TEST_CASE("a pipeline or a scene that changes ends the study, and no run stands 
     CHECK_FALSE(fs::exists(how.output / "runs/scene_c_1/own"));
   }
 }
+
+TEST_CASE("a file of a recording that changes ends the study, too") {
+  const StudyFiles files;
+  const fs::path source = ASLIO_SOURCE_DIR;
+  for (const std::string changed : {"avia.yaml", "dataset.yaml", "truth.tum"}) {
+    CAPTURE(changed);
+    fs::copy(source / "configs/sensors/livox_avia.yaml", files.folder / "avia.yaml",
+             fs::copy_options::overwrite_existing);
+    write_text(files.folder / "points.bag", "none is read");
+    write_text(files.folder / "truth.tum", "0 0 0 0 0 0 0 1\n");
+    write_text(files.folder / "dataset.yaml",
+               "schema: aslio/dataset/1\ninput: points.bag\nsensor: avia.yaml\nreference: truth.tum\nname: walk\n");
+    const Study study = files.load(head() + "datasets: [{dataset: dataset.yaml}]\nmethods:\n" +
+                                   method("first", "fixed_window") + method("second", "fixed_window"));
+    StudyOptions how;
+    how.output = files.folder / ("out_" + changed);
+    how.jobs = 1;
+    how.program = "program";
+    how.executable = ASLIO_CHILD_PROGRAM;
+    Writer writer(files.folder / changed);
+    CHECK_THROWS_WITH(run_study(study, how, writer), Contains(changed + ": has changed"));
+    CHECK(fs::exists(how.output / "runs/walk/first"));
+    CHECK_FALSE(fs::exists(how.output / "runs/walk/second"));
+  }
+}

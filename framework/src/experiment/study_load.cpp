@@ -181,6 +181,9 @@ class Reader {
       const Dataset dataset = load_dataset(path);
       data.name = data.sequence = config.name.empty() ? dataset.name : config.name;
       data.dataset = dataset.file;
+      data.texts = {dataset.file, dataset.sensor};
+      if (dataset.reference) data.texts.push_back(*dataset.reference);
+      for (const fs::path& file : data.texts) study_.sources.emplace(file, sha256_of_file(file));
       data.identity = recording_identity(dataset);
       require_one_scene(data.sequence, "recording", index);
     } catch (const std::exception& error) {
@@ -193,6 +196,7 @@ class Reader {
   void add_scene(const StudyDataConfig& config, std::size_t index) {
     StudyData data;
     data.scene = at(config.scene);
+    data.texts = {data.scene};
     data.scale = reading_.scale;
     data.sequence = config.name.empty() ? data.scene.stem().string() : config.name;
     const auto seeds = *(reading_.seeds ? reading_.seeds : parse_seeds(config.seeds));

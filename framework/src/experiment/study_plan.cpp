@@ -64,13 +64,15 @@ std::vector<std::string> paths_in(const std::string& resolved) {
   return paths;
 }
 
-void require_unchanged(const Study& study, const std::filesystem::path& source) {
-  const auto read = study.sources.find(source);
-  if (read == study.sources.end() || sha256_of_file(source) == read->second) return;
-  throw DataError(
-      fmt::format("{}: has changed while its study was at work; call the study again, which keeps what was "
-                  "finished before and makes anew what differs",
-                  source.string()));
+void require_unchanged(const Study& study, const std::vector<std::filesystem::path>& sources) {
+  for (const std::filesystem::path& source : sources) {
+    const auto read = study.sources.find(source);
+    if (read == study.sources.end() || sha256_of_file(source) == read->second) continue;
+    throw DataError(
+        fmt::format("{}: has changed while its study was at work; call the study again, which keeps what was "
+                    "finished before and makes anew what differs",
+                    source.string()));
+  }
 }
 
 std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,

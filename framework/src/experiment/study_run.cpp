@@ -247,7 +247,7 @@ class Schedule {
 
   void start_simulation(std::size_t d) {
     const StudyData& data = study_.data[d];
-    require_unchanged(study_, data.scene);
+    require_unchanged(study_, data.texts);
     const fs::path folder = store_.begin(data), log = folder / "log.txt";
     const long share = ::sysconf(_SC_NPROCESSORS_ONLN) / options_.jobs;
     std::vector<std::string> arguments = {"simulate",  data.scene.string(),
@@ -265,10 +265,10 @@ class Schedule {
                                         ChildProcess::Limits{kSimulationLimit, study_.config.memory_limit})});
   }
 
-  /// A child has read `source` by itself: what it made of another text than the study's goes.
-  void refuse_if_changed(const fs::path& source, const std::function<void()>& remove) const {
+  /// A child has read `sources` by itself: what it made of other texts than the study's goes.
+  void refuse_if_changed(const std::vector<fs::path>& sources, const std::function<void()>& remove) const {
     try {
-      require_unchanged(study_, source);
+      require_unchanged(study_, sources);
     } catch (const DataError&) {
       remove();
       throw;
@@ -279,7 +279,7 @@ class Schedule {
     const StudyData& data = study_.data[ended.data];
     const bool whole = end.cause == ChildEnd::Cause::exit && end.code == 0;
     if (whole) {
-      refuse_if_changed(data.scene, [&] { store_.abandon(data); });
+      refuse_if_changed(data.texts, [&] { store_.abandon(data); });
       data_[ended.data].dataset = store_.commit(data, [this](const std::string& line) { monitor_.on_line(line); });
       data_[ended.data].state = DataState::ready;
       monitor_.on_line(fmt::format("{}: simulated in {:.1f} s", data.name, end.wall_s));
@@ -314,10 +314,18 @@ class Schedule {
     return runs_folder_ / study_.data[result_.runs[i].data].name / result_.runs[i].folder;
   }
 
+  /// What a run reads by itself: its pipeline, and the files of a recording. The data of a scene are made already.
+  std::vector<fs::path> sources_of(const StudyRun& run) const {
+    std::vector<fs::path> files = {study_.methods[run.method].pipeline};
+    const StudyData& data = study_.data[run.data];
+    if (data.scene.empty()) files.insert(files.end(), data.texts.begin(), data.texts.end());
+    return files;
+  }
+
   void start_run(std::size_t i) {
     StudyRun& run = result_.runs[i];
     const StudyMethod& method = study_.methods[run.method];
-    require_unchanged(study_, method.pipeline);
+    require_unchanged(study_, sources_of(run));
     // A file that its pipeline names may have come or changed since the runs were planned.
     run.key = run_key(study_, result_.runs, run, options_.program, runs_folder_);
     // Under another name until it is finished, so that nothing half-written is taken for a run.
@@ -363,7 +371,7 @@ class Schedule {
       if (!result_.interrupted) stop();
       return;
     }
-    refuse_if_changed(study_.methods[result_.runs[i].method].pipeline, [&] { fs::remove_all(ended.folder, error); });
+    refuse_if_changed(sources_of(result_.runs[i]), [&] { fs::remove_all(ended.folder, error); });
     remove_parts(ended.folder);
     const fs::path manifest = ended.folder / "manifest.json";
     write_file(manifest, study_manifest(read_text(manifest), study_.data[ended.data], ended.command,

@@ -84,14 +84,15 @@ const std::vector<std::string>& study_metrics();
 
 /// One recording of the study: a dataset file, or a scene with a seed that is still to be simulated.
 struct StudyData {
-  std::string name;                   ///< of its folder: that of the sequence, with _SEED when simulated
-  std::string sequence;               ///< what tables call it
-  std::optional<std::uint64_t> seed;  ///< of the simulation
-  std::filesystem::path scene;        ///< empty for a recording
-  std::vector<std::string> set;       ///< overrides of the scene
-  double scale = 1;                   ///< of the scene
-  std::filesystem::path dataset;      ///< empty for a scene
-  std::string identity;               ///< SHA-256 of everything that makes these data what they are
+  std::string name;                          ///< of its folder: that of the sequence, with _SEED when simulated
+  std::string sequence;                      ///< what tables call it
+  std::optional<std::uint64_t> seed;         ///< of the simulation
+  std::filesystem::path scene;               ///< empty for a recording
+  std::vector<std::string> set;              ///< overrides of the scene
+  double scale = 1;                          ///< of the scene
+  std::filesystem::path dataset;             ///< empty for a scene
+  std::vector<std::filesystem::path> texts;  ///< what was read of it before: the scene, or the files of a recording
+  std::string identity;                      ///< SHA-256 of everything that makes these data what they are
 };
 
 /// One method: a pipeline with overrides, at one point of the grid of axes.
@@ -120,13 +121,14 @@ struct Study {
   std::vector<std::uint64_t> order_seeds;
   /// By method: the one to compare it with, if any. A baseline with axes: the variant at the same values.
   std::vector<std::optional<std::size_t>> baseline;
-  std::string resolved;                                  ///< YAML with every key at its effective value
-  std::map<std::filesystem::path, std::string> sources;  ///< SHA-256 of its pipelines and scenes as they were read
+  std::string resolved;  ///< YAML with every key at its effective value
+  std::map<std::filesystem::path, std::string>
+      sources;  ///< SHA-256 of StudyData::texts and pipelines as they were read
 };
 
-/// Throws DataError when a pipeline or a scene of the study is no longer what was read: a run of the new text must not
+/// Throws DataError when one of the `sources` of the study is no longer what was read: a run of the new text must not
 /// stand under the key of the old one.
-void require_unchanged(const Study& study, const std::filesystem::path& source);
+void require_unchanged(const Study& study, const std::vector<std::filesystem::path>& sources);
 
 /// Keys in which the resolved pipelines differ.
 std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMethod& baseline);
