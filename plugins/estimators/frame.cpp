@@ -59,12 +59,12 @@ void Frame::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers
 
 namespace {
 
-/// One segment seen from the end of the window: p(tau) = R (p_I + A(tau) w x p_I + B(tau) w x (w x p_I)) + p + v tau +
-/// a tau^2/2.
+/// One segment seen from the end of the window: p(tau) = R (q + A(tau) w x q + B(tau) w x (w x q)) + p + v tau +
+/// a tau^2/2, q = p_I turned alike by what the change of w adds.
 struct EndSegment {
   Mat3 R;
-  Vec3 p, v, half_a, w;
-  double w2;
+  Vec3 p, v, half_a, w, w_dot;
+  double w2, w_dot2, dt;
 
   EndSegment(const MotionSegment& s, const NavState& end)
       : R(end.R.transpose() * s.R),
@@ -72,12 +72,22 @@ struct EndSegment {
         v(end.R.transpose() * s.v),
         half_a(0.5 * end.R.transpose() * s.a_W),
         w(s.w),
-        w2(s.w.squaredNorm()) {}
+        w_dot(s.w_dot),
+        w2(s.w.squaredNorm()),
+        w_dot2(s.w_dot.squaredNorm()),
+        dt(s.dt) {}
 
   PointLanes at_end(const PointLanes& p_I, const PointLanes::Lane& tau) const {
     PointLanes::Lane A{}, B{};
+    PointLanes q = p_I;
+    if (w_dot2 > 0) {
+      PointLanes::Lane bend{};
+      for (std::size_t l = 0; l < tau.size(); ++l) bend[l] = 0.5 * tau[l] * (tau[l] - dt);
+      turn_factors(w_dot2, bend, A, B);
+      q = p_I.turned(w_dot, A, B);
+    }
     turn_factors(w2, tau, A, B);
-    PointLanes out = p_I.turned(w, A, B).moved(R, p);
+    PointLanes out = q.turned(w, A, B).moved(R, p);
     for (std::size_t l = 0; l < tau.size(); ++l) {
       out.x[l] += tau[l] * (v.x() + tau[l] * half_a.x());
       out.y[l] += tau[l] * (v.y() + tau[l] * half_a.y());

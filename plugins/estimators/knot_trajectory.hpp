@@ -15,7 +15,7 @@ class KnotTrajectory final : public TrajectoryModel {
   void clear() { knots_.clear(); }
   void reserve(std::size_t knots) { knots_.reserve(knots); }
   std::size_t capacity() const { return knots_.capacity(); }
-  /// Pre: not earlier than the last knot; one of the same time takes its place.
+  /// Pre: not earlier than the last knot, and at a constant rate; one of the same time takes its place.
   void append(const MotionSegment& knot);
   std::span<const MotionSegment> knots() const { return knots_; }
 

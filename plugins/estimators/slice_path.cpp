@@ -121,7 +121,8 @@ void SlicePath::place(std::span<const Vec3> body, std::span<const TimeNs> times,
     while (s + 1 < segments_.size() && segments_[s + 1].t <= times[i]) ++s;
     const MotionSegment& segment = segments_.empty() ? still : segments_[s];
     const double tau = to_seconds(times[i] - segment.t), a = share(times[i]);
-    const Vec3 carried = segment.R * turned(body[i], tau * segment.w);
+    const Vec3 bent = segment.w_dot.isZero(0) ? body[i] : turned(body[i], segment.bend(tau) * segment.w_dot);
+    const Vec3 carried = segment.R * turned(bent, tau * segment.w);
     lever[i] = turned(carried, a * turn_);
     world[i] = lever[i] + segment.p + tau * (segment.v + 0.5 * tau * segment.a_W) + a * move_;
     share_out[i] = a;

@@ -23,20 +23,20 @@ ImuTransition midpoint_transition(const NavState& before, const ImuSample& from,
 }  // namespace
 
 void ImuMidpoint::describe(config::Binder& b, Params& p) {
-  (void)b;
-  (void)p;
+  b.choice(
+      "rate", p.rate, {{"constant", Rate::constant}, {"linear", Rate::linear}},
+      "of turning between two samples: their mean throughout, or evenly from one to the other; the ends are the same, "
+      "points measured between them are not");
 }
 
-ImuMidpoint::ImuMidpoint(const Params& params, const BuildContext& context) {
-  (void)params;
-  (void)context;
-}
+ImuMidpoint::ImuMidpoint(const Params& params, const BuildContext& context) : rate_(params.rate) { (void)context; }
 
 MotionSegment ImuMidpoint::step(NavState& state, const ImuSample& from, const ImuSample& to) const {
   const MeanInput u(state, from, to);
   // eq. MOT-1: rotate the force by the attitude in the middle; the start attitude would lag by half a step.
   const Vec3 a_W = state.R * (exp_so3(0.5 * u.dt * u.w) * u.a) + state.g;
-  const MotionSegment segment{from.t, u.dt, state.R, state.p, state.v, u.w, a_W};
+  MotionSegment segment{from.t, u.dt, state.R, state.p, state.v, u.w, a_W};
+  if (rate_ == Rate::linear) segment.w_dot = u.w_change - state.S_w * u.w_change;  // eq. MOT-10
   state.R = orthonormalised(state.R * exp_so3(u.dt * u.w));
   state.p += u.dt * state.v + 0.5 * u.dt * u.dt * a_W;
   state.v += u.dt * a_W;

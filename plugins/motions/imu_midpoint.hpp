@@ -6,10 +6,14 @@
 namespace aslio::plugins {
 
 /// Second-order strapdown integration: the mean of two consecutive samples, rotated by the attitude in the middle of
-/// the interval (AS-LIO (9)-(10) with the attitude lag of half a step removed; docs/equations.md MOT-1).
+/// the interval (AS-LIO (9)-(10) with the attitude lag of half a step removed; docs/equations.md MOT-1). Inside the
+/// interval the rate is that mean, or goes evenly from one sample to the other (docs/equations.md MOT-10).
 class ImuMidpoint final : public MotionModel {
  public:
-  struct Params {};
+  enum class Rate : std::uint8_t { constant, linear };
+  struct Params {
+    Rate rate = Rate::constant;
+  };
   static void describe(config::Binder& b, Params& p);
   ImuMidpoint(const Params& params, const BuildContext& context);
 
@@ -18,6 +22,9 @@ class ImuMidpoint final : public MotionModel {
                             StateMatrix& P) const override;
   void linearise(const NavState& before, const ImuSample& from, const ImuSample& to, StateMatrix& F,
                  Eigen::Matrix<double, kStateDim, 12>& G) const override;
+
+ private:
+  Rate rate_;
 };
 
 }  // namespace aslio::plugins

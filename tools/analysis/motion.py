@@ -25,10 +25,21 @@ def rotations(quaternions):
     ], axis=1)
 
 
+def sines(R):
+    """Axis times sine of the angle of each (N, 3, 3)."""
+    return 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
+
+
 def angles(R):
     """Rotation angle of each (N, 3, 3) [rad]; exact for small ones too."""
-    skew = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
-    return np.arctan2(np.linalg.norm(skew, axis=1), 0.5 * (np.trace(R, axis1=1, axis2=2) - 1))
+    return np.arctan2(np.linalg.norm(sines(R), axis=1), 0.5 * (np.trace(R, axis1=1, axis2=2) - 1))
+
+
+def rotation_vectors(R):
+    """Log of each (N, 3, 3), for angles well below 180 deg [rad]."""
+    sine = sines(R)
+    size = np.linalg.norm(sine, axis=1)
+    return sine * np.where(size > 1e-12, angles(R) / np.maximum(size, 1e-12), 1.0)[:, None]
 
 
 class Path:

@@ -10,7 +10,8 @@ using namespace aslio::plugins;
 namespace {
 
 WindowTrajectory turning_trajectory(double rate, int segments, double dt,
-                                    WindowTrajectory::Spread spread = WindowTrajectory::Spread::rigid) {
+                                    WindowTrajectory::Spread spread = WindowTrajectory::Spread::rigid,
+                                    double faster = 0) {
   NavState state;
   state.t = 1'700'000'000'000'000'000;
   state.v = Vec3(1.0, 0.2, 0.0);
@@ -25,6 +26,7 @@ WindowTrajectory turning_trajectory(double rate, int segments, double dt,
     s.v = state.v;
     s.w = Vec3(0.2 * rate, 0.1, rate);
     s.a_W = Vec3(0.5, -1.0, 0.3);
+    s.w_dot = faster * Vec3(-10 * rate, 3.0, 20 * rate);
     state.t += to_ns(dt);
     const Pose end = s.pose(state.t);
     state.R = end.R;
@@ -37,11 +39,13 @@ WindowTrajectory turning_trajectory(double rate, int segments, double dt,
 
 }  // namespace
 
-TEST_CASE("de-skew puts a world point where every measurement of it says") {  // eq. DSK-1
-  // From slow turns with a fast IMU to half a radian per IMU step: the series and the closed form.
-  for (const auto& [rate, segments, dt] :
-       {std::tuple{0.0, 20, 0.005}, std::tuple{4.5, 20, 0.005}, std::tuple{5.0, 2, 0.1}}) {
-    const WindowTrajectory trajectory = turning_trajectory(rate, segments, dt);
+TEST_CASE("de-skew puts a world point where every measurement of it says") {  // eqs. DSK-1, MOT-10
+  // From slow turns with a fast IMU to half a radian per IMU step: the series and the closed form; at a rate that is
+  // constant between two samples, and one that changes.
+  for (const auto& [rate, segments, dt, faster] :
+       {std::tuple{0.0, 20, 0.005, 0.0}, std::tuple{4.5, 20, 0.005, 0.0}, std::tuple{5.0, 2, 0.1, 0.0},
+        std::tuple{0.0, 20, 0.005, 1.0}, std::tuple{4.5, 20, 0.005, 1.0}, std::tuple{5.0, 2, 0.1, 1.0}}) {
+    const WindowTrajectory trajectory = turning_trajectory(rate, segments, dt, WindowTrajectory::Spread::rigid, faster);
     SensorModel sensor;
     sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(0.04, 0.02, -0.03)};
     Frame frame(sensor);

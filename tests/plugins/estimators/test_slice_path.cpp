@@ -21,8 +21,14 @@ SlicePath path_between(TimeNs start, const Pose& begin, const Pose& end) {
   SlicePath path;
   path.clear(state, start + 4 * kPart);
   for (int i = 0; i < 4; ++i) {
-    const MotionSegment segment{state.t,           to_seconds(kPart),   state.R, state.p, Vec3(1.0, -0.5 * i, 0.3),
-                                Vec3(3, 1 - i, 2), Vec3(2, -1, 0.5 * i)};
+    const MotionSegment segment{state.t,
+                                to_seconds(kPart),
+                                state.R,
+                                state.p,
+                                Vec3(1.0, -0.5 * i, 0.3),
+                                Vec3(3, 1 - i, 2),
+                                Vec3(2, -1, 0.5 * i),
+                                Vec3(-40, 70, 20 * i)};
     const Pose after = segment.pose(state.t + kPart);
     state.t += kPart;
     state.R = after.R;

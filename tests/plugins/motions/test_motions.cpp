@@ -195,3 +195,50 @@ TEST_CASE("midpoint integration of an analytic trajectory converges with the squ
   CHECK(ratio > 8);
   CHECK(ratio < 12.5);
 }
+
+namespace {
+
+/// Greatest angle between the attitude that a segment says inside its interval and the true one [rad], over a motion
+/// that starts every interval at the true attitude.
+double attitude_error_inside(const MotionModel& motion, int samples_per_second) {
+  const Analytic truth{.nod = 0.3, .nod_rate = 12.0};
+  const double dt = 1.0 / samples_per_second;
+  double worst = 0;
+  for (int i = 0; i < samples_per_second; ++i) {
+    NavState s;
+    s.R = truth.R(i * dt);
+    const MotionSegment segment = motion.step(s, truth.sample(i * dt, s.g), truth.sample((i + 1) * dt, s.g));
+    for (const double share : {0.25, 0.5, 0.75}) {
+      const double t = (i + share) * dt;
+      worst = std::max(worst, log_so3(truth.R(t).transpose() * segment.pose(to_ns(t)).R).norm());
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("between two samples a linear rate is right to the third order of the step, a constant one to the second") {
+  const Fixture f;  // eq. MOT-10
+  const auto constant = f.make("imu_midpoint"), linear = f.make("{type: imu_midpoint, rate: linear}");
+  // At most the nod's angular acceleration, 43 rad/s^2, times dt^2 / 8.
+  CHECK(attitude_error_inside(*constant, 200) > 1e-4);
+  CHECK(attitude_error_inside(*constant, 200) < 1.4e-4);
+  CHECK(attitude_error_inside(*linear, 200) < 0.1 * attitude_error_inside(*constant, 200));
+  CHECK(attitude_error_inside(*constant, 100) / attitude_error_inside(*constant, 200) == Approx(4).margin(0.5));
+  CHECK(attitude_error_inside(*linear, 100) / attitude_error_inside(*linear, 200) == Approx(8).margin(2));
+}
+
+TEST_CASE("a linear rate changes nothing at the ends of the steps, and is read with the sensitivity of the gyro") {
+  const Fixture f;  // eq. MOT-10
+  NavState a = tilted_state(), b = tilted_state();
+  const MotionSegment constant = f.make("imu_midpoint")->step(a, kFrom, kTo);
+  const MotionSegment linear = f.make("{type: imu_midpoint, rate: linear}")->step(b, kFrom, kTo);
+  CHECK(minus(a, b).norm() == 0.0);
+  CHECK((linear.pose(kTo.t).R - constant.pose(kTo.t).R).norm() < 1e-15);
+  CHECK((linear.pose(kFrom.t).R - constant.pose(kFrom.t).R).norm() < 1e-15);
+  CHECK((linear.pose(kTo.t / 2).R - constant.pose(kTo.t / 2).R).norm() > 1e-4);
+  CHECK(constant.w_dot == Vec3::Zero());
+  const Vec3 change = (kTo.gyro - kFrom.gyro) / 0.005;
+  CHECK((linear.w_dot - (change - tilted_state().S_w * change)).norm() < 1e-9);
+}

@@ -29,21 +29,25 @@ struct ImuNoise {
   double acc_bias = 0;   ///< of the bias rate [(m/s^3)^2]
 };
 
-/// One integration interval [t, t + dt] with constant corrected rate and world acceleration:
-/// R(tau) = R Exp(w tau), p(tau) = p + v tau + a_W tau^2 / 2 for tau in [0, dt]  (docs/equations.md DSK-1).
+/// One integration interval [t, t + dt] with constant world acceleration and a corrected rate that changes evenly:
+/// R(tau) = R Exp(w tau) Exp(w_dot tau (tau - dt) / 2), p(tau) = p + v tau + a_W tau^2 / 2 for tau in [0, dt]
+/// (docs/equations.md DSK-1).
 struct MotionSegment {
   TimeNs t = 0;
   double dt = 0;
   Mat3 R = Mat3::Identity();
   Vec3 p = Vec3::Zero();
   Vec3 v = Vec3::Zero();
-  Vec3 w = Vec3::Zero();    ///< bias-corrected angular rate [rad/s]
-  Vec3 a_W = Vec3::Zero();  ///< acceleration of the origin of I in W, gravity included [m/s^2]
+  Vec3 w = Vec3::Zero();      ///< bias-corrected angular rate, mean of the interval [rad/s]
+  Vec3 a_W = Vec3::Zero();    ///< acceleration of the origin of I in W, gravity included [m/s^2]
+  Vec3 w_dot = Vec3::Zero();  ///< change of the rate [rad/s^2]; zero where it counts as constant
 
   Pose pose(TimeNs at) const {
     const double tau = to_seconds(at - t);
-    return {R * exp_so3(w * tau), p + v * tau + 0.5 * tau * tau * a_W};
+    return {R * exp_so3(w * tau) * exp_so3(bend(tau) * w_dot), p + v * tau + 0.5 * tau * tau * a_W};
   }
+  /// What w_dot adds to the rotation after tau, in units of w_dot: nothing at either end.
+  double bend(double tau) const { return 0.5 * tau * (tau - dt); }
 };
 
 /// Contract. step() advances the state over one interval between two consecutive IMU samples and returns the segment it
