@@ -23,6 +23,15 @@ struct Writer final : StudyMonitor {
   fs::path file;
 };
 
+StudyOptions one_at_a_time(const fs::path& output) {
+  StudyOptions how;
+  how.output = output;
+  how.jobs = 1;
+  how.program = "program";
+  how.executable = ASLIO_CHILD_PROGRAM;
+  return how;
+}
+
 }  // namespace
 
 TEST_CASE("a pipeline or a scene that changes ends the study, and no run stands under the old text") {
@@ -35,11 +44,7 @@ TEST_CASE("a pipeline or a scene that changes ends the study, and no run stands 
     const Study study = files.load(head() +
                                    "datasets: [{scene: scene_a.yaml}, {scene: scene_b.yaml}, {scene: scene_c.yaml}]\n"
                                    "methods:\n  - {name: own, pipeline: own.yaml}\n");
-    StudyOptions how;
-    how.output = files.folder / ("out_" + changed);
-    how.jobs = 1;
-    how.program = "program";
-    how.executable = ASLIO_CHILD_PROGRAM;
+    const StudyOptions how = one_at_a_time(files.folder / ("out_" + changed));
     Writer writer(files.folder / changed);
     CHECK_THROWS_WITH(run_study(study, how, writer), Contains(changed + ": has changed"));
     const auto rows = rows_so_far(study, plan_runs(study, how.program, fs::absolute(how.output) / "runs"), how.output);
@@ -62,11 +67,7 @@ TEST_CASE("a file of a recording that changes ends the study, too") {
                "schema: aslio/dataset/1\ninput: points.bag\nsensor: avia.yaml\nreference: truth.tum\nname: walk\n");
     const Study study = files.load(head() + "datasets: [{dataset: dataset.yaml}]\nmethods:\n" +
                                    method("first", "fixed_window") + method("second", "fixed_window"));
-    StudyOptions how;
-    how.output = files.folder / ("out_" + changed);
-    how.jobs = 1;
-    how.program = "program";
-    how.executable = ASLIO_CHILD_PROGRAM;
+    const StudyOptions how = one_at_a_time(files.folder / ("out_" + changed));
     Writer writer(files.folder / changed);
     CHECK_THROWS_WITH(run_study(study, how, writer), Contains(changed + ": has changed"));
     CHECK(fs::exists(how.output / "runs/walk/first"));

@@ -123,7 +123,7 @@ def line_of(method, errors):
 def shared(ours, others):
     """Tilts that both have of the same turns."""
     found = [(tilt(added), tilt(other)) for at, _, added in ours.turns for there, _, other in others.turns if abs(at - there) < 0.5 * APART_S]
-    return [(root_mean_square(side)) for side in zip(*found)] if found else None
+    return [root_mean_square(side) for side in zip(*found)] if found else None
 
 
 def comparison(method, other, of_method, of_other):
