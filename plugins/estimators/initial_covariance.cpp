@@ -6,10 +6,8 @@ namespace aslio::plugins {
 
 namespace {
 
-// Data-sheet limits of MEMS gyros such as the BMI088, taken as standard deviations.
-constexpr double kScaleSigma = 0.01;   // of each axis
-constexpr double kCrossSigma = 0.005;  // of each cross-axis term
-constexpr double kDelaySigma = 0.003;  // [s]
+double squared(double x) { return x * x; }
+
 }  // namespace
 
 void describe_gravity(config::Binder& b, EstimatedStates::Gravity& gravity) {
@@ -29,9 +27,16 @@ void describe_estimated(config::Binder& b, EstimatedStates& p) {
          "(0: none)");
   b.choice("gyro_calibration", p.gyro_calibration,
            {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
-           "what of the gyro's sensitivity is estimated: nothing, its scale factors (prior 1 %), or cross-axis terms "
-           "(0.5 %), too");
-  b.flag("time_offset", p.time_offset, "estimate the delay of the IMU (prior 3 ms)");
+           "what of the gyro's sensitivity is estimated: nothing, its scale factors, or cross-axis terms, too");
+  b.real(
+      "sigma_gyro_scale", p.sigma_gyro_scale, "", {.above = 0, .max = 0.5},
+      "gyro_calibration: diagonal, full: standard deviation of each scale factor at the start (0.01: an uncalibrated "
+      "MEMS gyro; a gyro that was calibrated: what that is worth)");
+  b.real("sigma_gyro_cross", p.sigma_gyro_cross, "", {.above = 0, .max = 0.5},
+         "gyro_calibration: full: standard deviation of each cross-axis term at the start");
+  b.flag("time_offset", p.time_offset, "estimate the delay of the IMU");
+  b.real("sigma_time_offset", p.sigma_time_offset, "s", {.above = 0, .max = 1},
+         "time_offset: standard deviation of the delay at the start");
 }
 
 // eq. INI-4.
@@ -57,11 +62,15 @@ StateMatrix initial_covariance(const InitialState& initial, const EstimatedState
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       const int k = block::s + 3 * column + row;
-      if (row == column && estimated.gyro_calibration != Calibration::none) P(k, k) = kScaleSigma * kScaleSigma;
-      if (row != column && estimated.gyro_calibration == Calibration::full) P(k, k) = kCrossSigma * kCrossSigma;
+      if (row == column && estimated.gyro_calibration != Calibration::none) {
+        P(k, k) = squared(estimated.sigma_gyro_scale);
+      }
+      if (row != column && estimated.gyro_calibration == Calibration::full) {
+        P(k, k) = squared(estimated.sigma_gyro_cross);
+      }
     }
   }
-  if (estimated.time_offset) P(block::d, block::d) = kDelaySigma * kDelaySigma;
+  if (estimated.time_offset) P(block::d, block::d) = squared(estimated.sigma_time_offset);
   return P;
 }
 

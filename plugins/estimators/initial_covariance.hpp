@@ -15,6 +15,11 @@ struct EstimatedStates {
   double gravity_walk = 0;
   GyroCalibration gyro_calibration = GyroCalibration::none;
   bool time_offset = false;
+  // Standard deviations at the start of what is estimated of the IMU: data-sheet limits of MEMS gyros such as the
+  // BMI088.
+  double sigma_gyro_scale = 0.01;    ///< of each scale factor
+  double sigma_gyro_cross = 0.005;   ///< of each cross-axis term
+  double sigma_time_offset = 0.003;  ///< [s]
 };
 
 void describe_gravity(config::Binder& b, EstimatedStates::Gravity& gravity);

@@ -117,6 +117,30 @@ TEST_CASE("the covariance at the start: a world defined by the first pose, and n
   const StateMatrix scales = plugins::initial_covariance(initial, all, 0.5);
   CHECK(std::sqrt(scales(block::s + 4, block::s + 4)) == Approx(0.01));
   CHECK(scales(block::s + 1, block::s + 1) == 0);
+
+  all.gyro_calibration = EstimatedStates::GyroCalibration::full;
+  all.sigma_gyro_scale = 0.002;
+  all.sigma_gyro_cross = 0.001;
+  all.sigma_time_offset = 0.0005;
+  const StateMatrix calibrated = plugins::initial_covariance(initial, all, 0.5);
+  CHECK(std::sqrt(calibrated(block::s + 4, block::s + 4)) == Approx(0.002));
+  CHECK(std::sqrt(calibrated(block::s + 5, block::s + 5)) == Approx(0.001));
+  CHECK(std::sqrt(calibrated(block::d, block::d)) == Approx(0.0005));
+}
+
+TEST_CASE("a gyro that is said to be calibrated is believed: one turn does not change what is known of it") {
+  // eq. INI-4. The gyro reads 2 % too much.
+  const auto learnt = [](const std::string& sigma) {
+    Filter filter({"estimator.deskew_correction=state", "estimator.gyro_calibration=full", "estimator.noise=physical",
+                   "estimator.sigma_gyro_scale=" + sigma});
+    filter.build_map(1);
+    const TurningRoom motion{.rate = Vec3(0, 0, 3.0), .gyro_error = Vec3(0, 0, 0.02)};
+    const Update& update = filter.update(RoomWindow(kRoomEpoch, kTenth, motion, 2));
+    REQUIRE(update.accepted);
+    return update.state.S_w(2, 2);
+  };
+  CHECK(learnt("0.01") == Approx(0.02).margin(0.002));
+  CHECK(std::abs(learnt("1e-5")) < 1e-4);
 }
 
 TEST_CASE("the times of the parts of an update are disjoint: together no more than the update took") {
