@@ -158,6 +158,7 @@ test('charts, configurations and manifest are there', async () => {
   const keys = await texts('#configs tbody th');
   assert.ok(keys.includes('window.type') && keys.includes('window.seg_step') && !keys.includes('map.type'), String(keys));
   assert.ok((await texts('#manifest tbody th')).includes('build.flags'));
+  assert.ok((await texts('#manifest tbody td')).includes('IMU delay 2.03 ms'));
   assert.ok((await texts('#failures td')).some((text) => text.includes('off by 9 m, </script>')));
 });
 

@@ -72,7 +72,9 @@ void write_run(const fs::path& folder, double duration, double rate, double erro
       fmt::format("{{\"aslio\": \"0.1.0\", \"build\": {{\"flags\": \"-O3\"}}, \"input\": {{\"path\": \"{}.bag\"}}}}\n",
                   folder.parent_path().filename().string()));
   write_text(folder / "summary.json",
-             "{\"status\": \"ok\", \"initialisation\": \"static start\", \"notes\": [\"imu rate: 200 Hz\"]}\n");
+             R"({"status": "ok", "initialisation": "static start", "notes": ["imu rate: 200 Hz"], )"
+             R"("calibration": {"text": "IMU delay 2.03 ms"}})"
+             "\n");
 }
 
 void write_map(const fs::path& file, int points = 4000) {

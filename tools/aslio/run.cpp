@@ -77,6 +77,9 @@ std::string report(const experiment::Summary& s, const std::string& output) {
       fmt::format_to(out, "; RPE {:.4f} m over {:g} m", rpe->rmse_m, rpe->distance_m);
     }
   }
+  if (const std::string learnt = s.calibration ? to_text(*s.calibration) : ""; !learnt.empty()) {
+    fmt::format_to(out, "\ncalibration  {}", learnt);
+  }
   fmt::format_to(out, "\ncost         {:.2f} s CPU ({:.3f} s per s of data), peak memory {:.0f} MB\n", s.cpu_s,
                  s.data_s > 0 ? s.cpu_s / s.data_s : 0.0, s.peak_rss_mb);
   fmt::format_to(out, "output       {}\n", output);

@@ -103,6 +103,31 @@ Json counts(const Summary& s) {
   return out;
 }
 
+Json numbers(const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  Json out = Json::array();
+  for (Eigen::Index row = 0; row < values.rows(); ++row)
+    for (Eigen::Index column = 0; column < values.cols(); ++column) out.push_back(values(row, column));
+  return out;
+}
+
+template <class T>
+void add_known(Json& out, const char* key, const char* sigma, const std::optional<Known<T>>& known) {
+  out[key] = known ? numbers(known->value) : Json(nullptr);
+  out[sigma] = known ? numbers(known->sigma) : Json(nullptr);
+}
+
+Json calibration(const Summary& s) {
+  if (!s.calibration) return nullptr;
+  const Calibration& c = *s.calibration;
+  Json out = {{"t_ns", c.t}, {"text", to_text(c)}};
+  add_known(out, "gyro_bias_rad_s", "gyro_bias_sigma_rad_s", c.gyro_bias);
+  add_known(out, "acc_bias_mps2", "acc_bias_sigma_mps2", c.acc_bias);
+  add_known(out, "gyro_sensitivity", "gyro_sensitivity_sigma", c.gyro_sensitivity);
+  out["imu_delay_s"] = c.imu_delay ? Json(c.imu_delay->value) : Json(nullptr);
+  out["imu_delay_sigma_s"] = c.imu_delay ? Json(c.imu_delay->sigma) : Json(nullptr);
+  return out;
+}
+
 Json metrics(const Summary& s) {
   Json out = {{"ate_m", nullptr}, {"ate_deg", nullptr}, {"rpe", nullptr}, {"rpe_distance_m", nullptr}};
   if (s.evaluation) {
@@ -178,6 +203,7 @@ std::string to_json(const Summary& s) {
   out["longest_lidar_gap_s"] = s.longest_lidar_gap_s;
   out["initialisation"] = s.initialisation;
   out["notes"] = s.notes;
+  out["calibration"] = calibration(s);
   out["metrics"] = metrics(s);
   if (s.evaluation) out["evaluation"] = evaluation::to_json(*s.evaluation);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

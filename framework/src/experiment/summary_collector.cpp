@@ -41,6 +41,7 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
     ++accepted_;
     if (last_accepted_ && plan.end - *last_accepted_ > kMostSilence && !silent_from_) silent_from_ = last_accepted_;
     last_accepted_ = plan.end;
+    if (auto learnt = calibration_of(*record.update)) calibration_ = learnt;
   }
   // A window that starts the map does so by the points that enter it, be it when they leave the window (`on_exit`).
   const bool starts_map = initialising && (record.inserted.inserted > 0 ||
@@ -75,6 +76,7 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
   summary.matchable_points = matchable_points_;
   summary.refused_after_accepted = refused_after_accepted_;
   summary.rate_hz = rates(steps_);
+  summary.calibration = calibration_;
   for (std::size_t i = 1; i < poses_.size(); ++i) {
     summary.path_length_m += (poses_[i].T.p - poses_[i - 1].T.p).norm();
   }

@@ -147,6 +147,10 @@ Json run_json(const FolderRun& run, Configs& configs, std::vector<std::string>& 
     for (const char* key : {"initialisation", "notes", "weak_updates"}) {
       if (summary->contains(key)) json["summary"][key] = (*summary)[key];
     }
+    const auto calibration = summary->find("calibration");
+    if (calibration != summary->end() && calibration->is_object()) {
+      json["summary"]["calibration"] = calibration->value("text", Json(""));
+    }
   }
   return json;
 }

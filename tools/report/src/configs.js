@@ -67,7 +67,8 @@ export function manifestSection(study) {
   const show = (index) => {
     const run = runs[index];
     const notes = [['status', `${run.status}${run.reason ? `: ${run.reason}` : ''}`],
-      ['initialisation', run.summary?.initialisation ?? ''], ...(run.summary?.notes ?? []).map((note) => ['note', String(note)])];
+      ['initialisation', run.summary?.initialisation ?? ''], ['calibration', run.summary?.calibration ?? ''],
+      ...(run.summary?.notes ?? []).map((note) => ['note', String(note)])];
     place.replaceChildren(facts([...notes.filter(([, text]) => text), ...[...flat[index]].filter(([path]) => !sharedPaths.has(path))]));
   };
   show(0);

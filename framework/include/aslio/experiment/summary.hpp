@@ -8,6 +8,7 @@
 
 #include "aslio/core/trajectory.hpp"
 #include "aslio/evaluation/evaluation.hpp"
+#include "aslio/experiment/calibration.hpp"
 #include "aslio/pipeline/tracking.hpp"
 #include "aslio/pipeline/update_record.hpp"
 #include "aslio/stream/measurement_stream.hpp"
@@ -54,7 +55,8 @@ struct Summary {
   double wall_s = 0;  ///< the same in wall-clock time
   double data_s = 0;  ///< from the first to the last point read
   double peak_rss_mb = 0;
-  std::optional<double> end_to_end_m;  ///< distance between the first and the last position, of a closed loop
+  std::optional<Calibration> calibration;  ///< of the IMU, at the end
+  std::optional<double> end_to_end_m;      ///< distance between the first and the last position, of a closed loop
   std::optional<evaluation::Evaluation> evaluation;  ///< against the reference, when there is one
   std::optional<double> failed_at;                   ///< share of the reference's path, of failed_after()
   std::string evaluation_error;                      ///< why there is none although there is a reference
@@ -93,6 +95,7 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0;
   TimeNs covered_ = 0;
   std::optional<TimeNs> first_begin_;
+  std::optional<Calibration> calibration_;
   bool refused_after_accepted_ = false;
   std::optional<TimeNs> first_end_, last_accepted_, silent_from_, not_finite_;
   TimeNs weak_ = 0, windows_ = 0;  ///< time of the fresh intervals of weak updates, and of all

@@ -1,0 +1,34 @@
+#pragma once
+/// What a run has learnt of its IMU.
+
+#include <optional>
+#include <string>
+
+#include "aslio/stages/estimator.hpp"
+
+namespace aslio::experiment {
+
+/// A value, and what the estimator claims to know it to (one standard deviation). The claim takes the map for exact, so
+/// it is a lower bound.
+template <class T>
+struct Known {
+  T value, sigma;
+};
+
+/// Of the last accepted update. A part that the estimator holds fixed, or has no covariance for, is left out.
+struct Calibration {
+  TimeNs t = 0;
+  std::optional<Known<Vec3>> gyro_bias;         ///< [rad/s]
+  std::optional<Known<Vec3>> acc_bias;          ///< [m/s^2]
+  std::optional<Known<Mat3>> gyro_sensitivity;  ///< NavState::S_w
+  std::optional<Known<double>> imu_delay;       ///< NavState::imu_delay [s]
+};
+
+/// Of an update that is accepted and finite; nothing where no part is estimated.
+std::optional<Calibration> calibration_of(const Update& update);
+
+/// "gyro scale +0.62 -0.31 +0.88 %, cross-axis up to 0.41 %, IMU delay 2.03 ms": what is not the biases'. Empty when
+/// none of it is estimated.
+std::string to_text(const Calibration& calibration);
+
+}  // namespace aslio::experiment
