@@ -32,6 +32,16 @@ StudyOptions one_at_a_time(const fs::path& output) {
   return how;
 }
 
+/// dataset.yaml and what it names; nothing is read of its points.
+void write_recording(const StudyFiles& files) {
+  const fs::path sensor = fs::path(ASLIO_SOURCE_DIR) / "configs/sensors/livox_avia.yaml";
+  fs::copy(sensor, files.folder / "avia.yaml", fs::copy_options::overwrite_existing);
+  write_text(files.folder / "points.bag", "none is read");
+  write_text(files.folder / "truth.tum", "0 0 0 0 0 0 0 1\n");
+  write_text(files.folder / "dataset.yaml",
+             "schema: aslio/dataset/1\ninput: points.bag\nsensor: avia.yaml\nreference: truth.tum\nname: walk\n");
+}
+
 }  // namespace
 
 TEST_CASE("a pipeline or a scene that changes ends the study, and no run stands under the old text") {
@@ -56,15 +66,9 @@ TEST_CASE("a pipeline or a scene that changes ends the study, and no run stands 
 
 TEST_CASE("a file of a recording that changes ends the study, too") {
   const StudyFiles files;
-  const fs::path source = ASLIO_SOURCE_DIR;
   for (const std::string changed : {"avia.yaml", "dataset.yaml", "truth.tum"}) {
     CAPTURE(changed);
-    fs::copy(source / "configs/sensors/livox_avia.yaml", files.folder / "avia.yaml",
-             fs::copy_options::overwrite_existing);
-    write_text(files.folder / "points.bag", "none is read");
-    write_text(files.folder / "truth.tum", "0 0 0 0 0 0 0 1\n");
-    write_text(files.folder / "dataset.yaml",
-               "schema: aslio/dataset/1\ninput: points.bag\nsensor: avia.yaml\nreference: truth.tum\nname: walk\n");
+    write_recording(files);
     const Study study = files.load(head() + "datasets: [{dataset: dataset.yaml}]\nmethods:\n" +
                                    method("first", "fixed_window") + method("second", "fixed_window"));
     const StudyOptions how = one_at_a_time(files.folder / ("out_" + changed));
@@ -72,5 +76,21 @@ TEST_CASE("a file of a recording that changes ends the study, too") {
     CHECK_THROWS_WITH(run_study(study, how, writer), Contains(changed + ": has changed"));
     CHECK(fs::exists(how.output / "runs/walk/first"));
     CHECK_FALSE(fs::exists(how.output / "runs/walk/second"));
+  }
+}
+
+TEST_CASE("a run during which one of its texts changes is not kept") {
+  const StudyFiles files;
+  const std::string pipeline = content(std::string(ASLIO_SOURCE_DIR) + "/configs/pipelines/fixed_window.yaml");
+  for (const auto& [who, changed] : {std::pair{"edits_pipeline", "own.yaml"}, {"edits_truth", "truth.tum"}}) {
+    CAPTURE(who);
+    write_recording(files);
+    write_text(files.folder / "own.yaml", pipeline);
+    const Study study = files.load(head() + "datasets: [{dataset: dataset.yaml}]\nmethods:\n" + "  - {name: " + who +
+                                   ", pipeline: own.yaml}\n");
+    const StudyOptions how = one_at_a_time(files.folder / (std::string("out_") + who));
+    Quiet quiet;
+    CHECK_THROWS_WITH(run_study(study, how, quiet), Contains(std::string(changed) + ": has changed"));
+    CHECK((!fs::exists(how.output / "runs/walk") || fs::is_empty(how.output / "runs/walk")));
   }
 }

@@ -9,7 +9,7 @@ import dataclasses
 
 from numerics import np
 
-from motion import Path, nanoseconds, rotations, table
+from motion import Path, angles, nanoseconds, rotations, table
 from study_folder import FolderError
 
 LOW, HIGH, FAST_RAD_S = 0.8, 0.95, 1.0
@@ -59,10 +59,7 @@ class Truth:
         t, R = self.seconds(path.t), rotations(path.q)
         step = np.diff(t)
         turned = np.einsum("nji,njk->nik", R[:-1], R[1:])
-        # From the sine: near the identity the cosine tells nothing.
-        skew = turned - turned.transpose(0, 2, 1)
-        sine = 0.5 * np.sqrt(skew[:, 2, 1]**2 + skew[:, 0, 2]**2 + skew[:, 1, 0]**2)
-        rate = np.arcsin(np.minimum(sine, 1.0)) / step
+        rate = angles(turned) / step
         velocity = np.diff(path.p, axis=0) / step[:, None]
         acceleration = np.diff(velocity, axis=0) / (0.5 * (step[1:] + step[:-1]))[:, None]
         force = np.abs(np.linalg.norm(acceleration + [0, 0, GRAVITY], axis=1) - GRAVITY)
