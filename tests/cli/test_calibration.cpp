@@ -71,33 +71,43 @@ TEST_CASE("calibration: what is not estimated is null, and all of it where nothi
   CHECK(summary_of(calibration_of(update)).is_null());
 }
 
-TEST_CASE("calibration: of updates that are accepted and finite") {
+TEST_CASE("calibration: of updates that are accepted and finite, and go on from what was known") {
   Update refused = learnt(), not_finite = learnt();
   refused.accepted = false;
   not_finite.state.S_w(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  Update begun_anew = learnt();  // a start in motion that finds its velocity: P is that of the start again
+  begun_anew.restart_map = true;
+  CHECK_FALSE(calibration_of(begun_anew).has_value());
   CHECK_FALSE(calibration_of(refused).has_value());
   CHECK_FALSE(calibration_of(not_finite).has_value());
 }
 
-TEST_CASE("calibration: in words") {
+TEST_CASE("calibration: in words, with what is claimed to be known") {
   const auto words = [](const Update& update) { return to_text(calibration_of(update).value()); };
   Update update = learnt();
-  CHECK(words(update) == "gyro scale +0.62 -0.31 +0.88 %, cross-axis up to 0.41 %, IMU delay 2.03 ms");
+  const std::string scale = "gyro scale +0.62 +- 1.90, -0.31 +- 2.30, +0.88 +- 2.70 %";
+  CHECK(words(update) == scale + ", cross-axis up to 0.41 +- 2.00 %, IMU delay 2.03 +- 28.00 ms");
   for (const int k : {1, 2, 3, 5, 6, 7}) clear(update, block::s + k, 1);  // gyro_calibration: diagonal
-  CHECK(words(update) == "gyro scale +0.62 -0.31 +0.88 %, IMU delay 2.03 ms");
+  CHECK(words(update) == scale + ", IMU delay 2.03 +- 28.00 ms");
+  const Json S = summary_of(calibration_of(update))["gyro_sensitivity"];
+  CHECK(S[0] == 0.0062);
+  CHECK(S[1].is_null());
+  CHECK(S[8] == 0.0088);
   clear(update, block::s, 9);
-  CHECK(words(update) == "IMU delay 2.03 ms");
+  CHECK(words(update) == "IMU delay 2.03 +- 28.00 ms");
   clear(update, block::d, 1);
   CHECK(words(update).empty());
 }
 
 TEST_CASE("calibration: the last accepted update of a run tells it") {
   experiment::SummaryCollector collector;
-  const auto next = [&](const Update& update, TimeNs end) {
+  const auto next = [&](const Update& update, TimeNs end,
+                        pipeline::TrackingStatus tracking = pipeline::TrackingStatus::ok) {
     pipeline::UpdateRecord record;
     record.plan.fresh_begin = end - kSecond;
     record.plan.end = end;
     record.status = update.accepted ? UpdateStatus::ok : UpdateStatus::few_matches;
+    record.tracking = tracking;
     record.state = update.state;
     record.update = &update;
     collector.on_update(record);
@@ -106,9 +116,10 @@ TEST_CASE("calibration: the last accepted update of a run tells it") {
   next(update, 1 * kSecond);
   update.state.imu_delay = 0.004;
   next(update, 2 * kSecond);
-  update.accepted = false;
   update.state.imu_delay = 0.1;
-  next(update, 3 * kSecond);
+  next(update, 3 * kSecond, pipeline::TrackingStatus::lost);
+  update.accepted = false;
+  next(update, 4 * kSecond);
   experiment::Summary summary;
   collector.fill(summary, stream::MeasurementStream{}, std::nullopt, kSecond);
   REQUIRE(summary.calibration.has_value());

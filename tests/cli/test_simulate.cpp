@@ -84,10 +84,12 @@ TEST_CASE("a simulation leaves a dataset that a run takes") {
   INFO(check.err);
   CHECK(check.code == 0);
   write_text(stage / "pipeline.yaml", pipeline_text());
-  const Ended run = run_aslio({"run", stage / "pipeline.yaml", "--dataset", stage / "out", "--output", stage / "run"});
+  const Ended run = run_aslio({"run", stage / "pipeline.yaml", "--dataset", stage / "out", "--output", stage / "run",
+                               "--set", "estimator.time_offset=true"});
   INFO(run.err);
   CHECK(run.code == 0);
-  CHECK_THAT(run.out, Contains("accuracy     ATE"));
+  CHECK_THAT(run.out, Contains("accuracy     ATE") && Contains("calibration  IMU delay "));
+  CHECK_THAT(content(stage / "run/summary.json"), Contains("\"imu_delay_s\": ") && !Contains("\"imu_delay_s\": null"));
 }
 
 TEST_CASE("a seed makes the same bag for any number of threads, another seed another one") {

@@ -14,7 +14,15 @@ std::optional<Known<Vec3>> three(const Vec3& value, const StateMatrix& P, int at
   return Known<Vec3>{value, variance.cwiseMax(0.0).cwiseSqrt()};
 }
 
-double largest_off_diagonal(const Mat3& S) { return (S - Mat3(S.diagonal().asDiagonal())).cwiseAbs().maxCoeff(); }
+/// Of the largest term beside the diagonal, in percent; empty when all of them are held fixed.
+std::string cross_axis(const Known<Mat3>& S) {
+  Mat3 off = S.value.cwiseAbs();
+  off.diagonal().setConstant(-1.0);
+  int row = 0, column = 0;
+  off.maxCoeff(&row, &column);
+  if (S.sigma(0, 1) <= 0.0) return {};
+  return fmt::format(", cross-axis up to {:.2f} +- {:.2f} %", 100 * off(row, column), 100 * S.sigma(row, column));
+}
 
 }  // namespace
 
@@ -22,7 +30,7 @@ std::optional<Calibration> calibration_of(const Update& update) {
   const NavState& x = update.state;
   const StateMatrix& P = update.P;
   const bool finite = x.b_w.allFinite() && x.b_a.allFinite() && x.S_w.allFinite() && std::isfinite(x.imu_delay);
-  if (!update.accepted || !finite || !P.allFinite()) return std::nullopt;
+  if (!update.accepted || update.restart_map || !finite || !P.allFinite()) return std::nullopt;
   Calibration out;
   out.t = x.t;
   out.gyro_bias = three(x.b_w, P, block::b_w);
@@ -36,15 +44,16 @@ std::optional<Calibration> calibration_of(const Update& update) {
 
 std::string to_text(const Calibration& calibration) {
   std::string text;
-  if (calibration.gyro_sensitivity) {
-    const Mat3 S = 100.0 * calibration.gyro_sensitivity->value;
-    text = fmt::format("gyro scale {:+.2f} {:+.2f} {:+.2f} %", S(0, 0), S(1, 1), S(2, 2));
-    if (calibration.gyro_sensitivity->sigma(0, 1) > 0.0) {
-      text += fmt::format(", cross-axis up to {:.2f} %", largest_off_diagonal(S));
+  if (const auto& S = calibration.gyro_sensitivity) {
+    for (int axis = 0; axis < 3; ++axis) {
+      text += fmt::format("{}{:+.2f} +- {:.2f}", axis == 0 ? "gyro scale " : ", ", 100 * S->value(axis, axis),
+                          100 * S->sigma(axis, axis));
     }
+    text += " %" + cross_axis(*S);
   }
-  if (calibration.imu_delay) {
-    text += fmt::format("{}IMU delay {:.2f} ms", text.empty() ? "" : ", ", 1e3 * calibration.imu_delay->value);
+  if (const auto& delay = calibration.imu_delay) {
+    text += fmt::format("{}IMU delay {:.2f} +- {:.2f} ms", text.empty() ? "" : ", ", 1e3 * delay->value,
+                        1e3 * delay->sigma);
   }
   return text;
 }

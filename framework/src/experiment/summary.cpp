@@ -103,17 +103,20 @@ Json counts(const Summary& s) {
   return out;
 }
 
-Json numbers(const Eigen::Ref<const Eigen::MatrixXd>& values) {
+/// Row by row; null what is held fixed.
+template <class T>
+Json numbers(const T& values, const T& sigma) {
   Json out = Json::array();
   for (Eigen::Index row = 0; row < values.rows(); ++row)
-    for (Eigen::Index column = 0; column < values.cols(); ++column) out.push_back(values(row, column));
+    for (Eigen::Index column = 0; column < values.cols(); ++column)
+      out.push_back(sigma(row, column) > 0.0 ? Json(values(row, column)) : Json(nullptr));
   return out;
 }
 
 template <class T>
 void add_known(Json& out, const char* key, const char* sigma, const std::optional<Known<T>>& known) {
-  out[key] = known ? numbers(known->value) : Json(nullptr);
-  out[sigma] = known ? numbers(known->sigma) : Json(nullptr);
+  out[key] = known ? numbers(known->value, known->sigma) : Json(nullptr);
+  out[sigma] = known ? numbers(known->sigma, known->sigma) : Json(nullptr);
 }
 
 Json calibration(const Summary& s) {

@@ -41,7 +41,9 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
     ++accepted_;
     if (last_accepted_ && plan.end - *last_accepted_ > kMostSilence && !silent_from_) silent_from_ = last_accepted_;
     last_accepted_ = plan.end;
-    if (auto learnt = calibration_of(*record.update)) calibration_ = learnt;
+    // One that was lost by this update, too fast perhaps, is not believed.
+    auto learnt = calibration_of(*record.update);
+    if (learnt && record.tracking != pipeline::TrackingStatus::lost) calibration_ = learnt;
   }
   // A window that starts the map does so by the points that enter it, be it when they leave the window (`on_exit`).
   const bool starts_map = initialising && (record.inserted.inserted > 0 ||

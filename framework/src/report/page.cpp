@@ -149,7 +149,8 @@ Json run_json(const FolderRun& run, Configs& configs, std::vector<std::string>& 
     }
     const auto calibration = summary->find("calibration");
     if (calibration != summary->end() && calibration->is_object()) {
-      json["summary"]["calibration"] = calibration->value("text", Json(""));
+      const auto text = calibration->find("text");
+      if (text != calibration->end() && text->is_string()) json["summary"]["calibration"] = *text;
     }
   }
   return json;

@@ -8,8 +8,8 @@
 
 namespace aslio::experiment {
 
-/// A value, and what the estimator claims to know it to (one standard deviation). The claim takes the map for exact, so
-/// it is a lower bound.
+/// A value, and what the estimator claims to know it to (one standard deviation; 0: it is held fixed). The claim takes
+/// the map for exact and the IMU for one without other errors, so it is a lower bound.
 template <class T>
 struct Known {
   T value, sigma;
@@ -24,11 +24,12 @@ struct Calibration {
   std::optional<Known<double>> imu_delay;       ///< NavState::imu_delay [s]
 };
 
-/// Of an update that is accepted and finite; nothing where no part is estimated.
+/// Of an update that is accepted and finite and has not let go what it knew to begin anew; nothing where no part is
+/// estimated.
 std::optional<Calibration> calibration_of(const Update& update);
 
-/// "gyro scale +0.62 -0.31 +0.88 %, cross-axis up to 0.41 %, IMU delay 2.03 ms": what is not the biases'. Empty when
-/// none of it is estimated.
+/// "gyro scale +0.62 +- 0.19, -0.31 +- 0.06, +0.88 +- 0.01 %, cross-axis up to 0.41 +- 0.07 %, IMU delay 2.03 +- 0.02
+/// ms": what is not the biases'. Empty when none of it is estimated.
 std::string to_text(const Calibration& calibration);
 
 }  // namespace aslio::experiment
