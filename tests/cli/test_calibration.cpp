@@ -80,6 +80,9 @@ TEST_CASE("calibration: of updates that are accepted and finite, and go on from 
   CHECK_FALSE(calibration_of(begun_anew).has_value());
   CHECK_FALSE(calibration_of(refused).has_value());
   CHECK_FALSE(calibration_of(not_finite).has_value());
+  Update no_claim = learnt();
+  no_claim.P(block::d, block::d) = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(calibration_of(no_claim).has_value());
 }
 
 TEST_CASE("calibration: in words, with what is claimed to be known") {

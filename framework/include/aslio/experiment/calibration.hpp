@@ -15,7 +15,8 @@ struct Known {
   T value, sigma;
 };
 
-/// Of the last accepted update. A part that the estimator holds fixed, or has no covariance for, is left out.
+/// Of the last update that calibration_of() takes and that did not lose the run. A part that the estimator holds fixed,
+/// or has no covariance for, is left out.
 struct Calibration {
   TimeNs t = 0;
   std::optional<Known<Vec3>> gyro_bias;         ///< [rad/s]
