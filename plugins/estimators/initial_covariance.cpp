@@ -46,28 +46,26 @@ StateMatrix initial_covariance(const InitialState& initial, const EstimatedState
   // of g.
   P.diagonal().segment<3>(block::theta).setConstant(1e-8);
   P.diagonal().segment<3>(block::p).setConstant(1e-8);
-  P.diagonal().segment<3>(block::v).setConstant(sigma_velocity * sigma_velocity);
-  P.diagonal().segment<3>(block::b_w).setConstant(initial.sigma_gyro_bias * initial.sigma_gyro_bias);
-  P.diagonal().segment<3>(block::b_a).setConstant(initial.sigma_acc_bias * initial.sigma_acc_bias);
+  P.diagonal().segment<3>(block::v).setConstant(squared(sigma_velocity));
+  P.diagonal().segment<3>(block::b_w).setConstant(squared(initial.sigma_gyro_bias));
+  P.diagonal().segment<3>(block::b_a).setConstant(squared(initial.sigma_acc_bias));
   if (estimated.gravity != EstimatedStates::Gravity::fixed) {
     const double g = initial.state.g.norm();
     const Vec3 up = initial.state.g / g;
-    Mat3 spread = initial.sigma_tilt * initial.sigma_tilt * g * g * (Mat3::Identity() - up * up.transpose());
+    Mat3 spread = squared(initial.sigma_tilt) * g * g * (Mat3::Identity() - up * up.transpose());
     if (estimated.gravity == EstimatedStates::Gravity::free) {
-      spread += estimated.sigma_gravity * estimated.sigma_gravity * up * up.transpose();
+      spread += squared(estimated.sigma_gravity) * up * up.transpose();
     }
     P.block<3, 3>(block::g, block::g) = spread;
   }
   using Calibration = EstimatedStates::GyroCalibration;
+  const Calibration calibrated = estimated.gyro_calibration;
+  const double scale = calibrated != Calibration::none ? squared(estimated.sigma_gyro_scale) : 0.0;
+  const double cross = calibrated == Calibration::full ? squared(estimated.sigma_gyro_cross) : 0.0;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       const int k = block::s + 3 * column + row;
-      if (row == column && estimated.gyro_calibration != Calibration::none) {
-        P(k, k) = squared(estimated.sigma_gyro_scale);
-      }
-      if (row != column && estimated.gyro_calibration == Calibration::full) {
-        P(k, k) = squared(estimated.sigma_gyro_cross);
-      }
+      P(k, k) = row == column ? scale : cross;
     }
   }
   if (estimated.time_offset) P(block::d, block::d) = squared(estimated.sigma_time_offset);

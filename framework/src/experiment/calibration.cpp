@@ -16,11 +16,11 @@ std::optional<Known<Vec3>> three(const Vec3& value, const StateMatrix& P, int at
 
 /// Of the largest term beside the diagonal, in percent; empty when all of them are held fixed.
 std::string cross_axis(const Known<Mat3>& S) {
+  if (S.sigma(0, 1) <= 0.0) return {};
   Mat3 off = S.value.cwiseAbs();
   off.diagonal().setConstant(-1.0);
   int row = 0, column = 0;
   off.maxCoeff(&row, &column);
-  if (S.sigma(0, 1) <= 0.0) return {};
   return fmt::format(", cross-axis up to {:.2f} +- {:.2f} %", 100 * off(row, column), 100 * S.sigma(row, column));
 }
 
