@@ -1,7 +1,6 @@
 #pragma once
 
-#include <numbers>
-
+#include "aslio/core/angles.hpp"
 #include "aslio/stages/motion.hpp"
 
 namespace aslio::plugins {
@@ -21,7 +20,7 @@ class DeadReckoning {
   bool begun() const { return since_ != kTimeMin; }
   template <class Covariance>
   bool good(TimeNs t, const Covariance& P) const {
-    constexpr double max_position = 0.1, max_turn = std::numbers::pi / 180.0;  // [m], [rad]
+    constexpr double max_position = 0.1, max_turn = kRadPerDeg;  // [m], [rad]
     if (!begun() || t - since_ > kSecond) return false;
     const double position = P.diagonal().template segment<3>(block::p).maxCoeff() - position_;
     const double turn = P.diagonal().template segment<3>(block::theta).maxCoeff() - tilt_;

@@ -62,27 +62,28 @@ namespace {
 /// One segment seen from the end of the window: p(tau) = R (q + A(tau) w x q + B(tau) w x (w x q)) + p + v tau +
 /// a tau^2/2, q = p_I turned alike by what the change of w adds.
 struct EndSegment {
+  const MotionSegment& segment;
   Mat3 R;
   Vec3 p, v, half_a, w, w_dot;
-  double w2, w_dot2, dt;
+  double w2, w_dot2;
 
   EndSegment(const MotionSegment& s, const NavState& end)
-      : R(end.R.transpose() * s.R),
+      : segment(s),
+        R(end.R.transpose() * s.R),
         p(end.R.transpose() * (s.p - end.p)),
         v(end.R.transpose() * s.v),
         half_a(0.5 * end.R.transpose() * s.a_W),
         w(s.w),
         w_dot(s.w_dot),
         w2(s.w.squaredNorm()),
-        w_dot2(s.w_dot.squaredNorm()),
-        dt(s.dt) {}
+        w_dot2(s.w_dot.squaredNorm()) {}
 
   PointLanes at_end(const PointLanes& p_I, const PointLanes::Lane& tau) const {
     PointLanes::Lane A{}, B{};
     PointLanes q = p_I;
     if (w_dot2 > 0) {
       PointLanes::Lane bend{};
-      for (std::size_t l = 0; l < tau.size(); ++l) bend[l] = 0.5 * tau[l] * (tau[l] - dt);
+      for (std::size_t l = 0; l < tau.size(); ++l) bend[l] = segment.bend(tau[l]);
       turn_factors(w_dot2, bend, A, B);
       q = p_I.turned(w_dot, A, B);
     }

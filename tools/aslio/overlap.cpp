@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/overlap_series.hpp"
 #include "aslio/io/writers.hpp"
@@ -42,7 +43,7 @@ experiment::OverlapSeriesOptions options_of(const OverlapArguments& a, const CLI
   }
   options.period = a.period;
   options.position_error = a.position_error;
-  options.rotation_error = a.rotation_error * M_PI / 180.0;
+  options.rotation_error = a.rotation_error * kRadPerDeg;
   options.seed = a.seed;
   return options;
 }

@@ -122,8 +122,8 @@ struct Study {
   /// By method: the one to compare it with, if any. A baseline with axes: the variant at the same values.
   std::vector<std::optional<std::size_t>> baseline;
   std::string resolved;  ///< YAML with every key at its effective value
-  std::map<std::filesystem::path, std::string>
-      sources;  ///< SHA-256 of StudyData::texts and pipelines as they were read
+  /// SHA-256 of StudyData::texts and pipelines as they were read.
+  std::map<std::filesystem::path, std::string> sources;
 };
 
 /// Throws DataError when one of the `sources` of the study is no longer what was read: a run of the new text must not

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "aslio/core/angles.hpp"
+
 namespace aslio::simulator::home {
 namespace {
 
@@ -70,19 +72,18 @@ std::vector<Box> solids() {
 }
 
 Walk walk(double time_scale) {
-  constexpr double kDeg = std::numbers::pi / 180;
   std::vector<Waypoint> waypoints = {
       {1.0, 0, 0, 0, 0},          {3.0, 2.2, 0, 1.5, 0},     {5.0, 5.0, 0.4, 0.6, 0.7},    {7.0, 5.1, 2.8, 0, 1.4},
       {9.0, 5.0, 5.2, -0.7, 0.3}, {11.5, 2.6, 5.3, -0.9, 0}, {14.0, 0.1, 5.1, -0.5, -0.6}, {16.0, 0, 3.0, 0, -1.3},
       {19.0, 0, 0, 0, 0},
   };
   std::vector<Turn> turns = {
-      {4.65, 0.70, 90 * kDeg},   // in front of the first door: the corridor comes into view
-      {8.66, 0.68, 90 * kDeg},   // along the corridor
-      {10.9, 0.80, -85 * kDeg},  // a look into the second room ..
-      {11.9, 0.80, 85 * kDeg},   // .. and back
-      {13.7, 0.66, 90 * kDeg},   // through the other door
-      {17.0, 1.40, 90 * kDeg},   // as at the start
+      {4.65, 0.70, 90 * kRadPerDeg},   // in front of the first door: the corridor comes into view
+      {8.66, 0.68, 90 * kRadPerDeg},   // along the corridor
+      {10.9, 0.80, -85 * kRadPerDeg},  // a look into the second room ..
+      {11.9, 0.80, 85 * kRadPerDeg},   // .. and back
+      {13.7, 0.66, 90 * kRadPerDeg},   // through the other door
+      {17.0, 1.40, 90 * kRadPerDeg},   // as at the start
   };
   return Walk(std::move(waypoints), std::move(turns), Gait{}, time_scale);
 }

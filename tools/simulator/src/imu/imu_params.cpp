@@ -1,17 +1,16 @@
 #include "aslio/simulator/imu_params.hpp"
 
 #include <limits>
-#include <numbers>
 
 #include "aslio/config/binder.hpp"
+#include "aslio/core/angles.hpp"
 
 namespace aslio::simulator {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMilliG = 1e-3 * kStandardGravity;
 constexpr double kPercent = 0.01;
-constexpr double kDegreePerSecondPerG = kDegree / kStandardGravity;
+constexpr double kDegreePerSecondPerG = kRadPerDeg / kStandardGravity;
 constexpr double kMillisecond = 1e-3;
 constexpr std::string_view kPresets = "= the preset's";
 
@@ -24,9 +23,9 @@ ImuModel preset_model(ImuPreset preset) {
     model.gyro_range = model.acc_range = kUnlimited;
     return model;
   }
-  model.initial_gyro_bias = 0.5 * kDegree;
+  model.initial_gyro_bias = 0.5 * kRadPerDeg;
   model.initial_acc_bias = 20 * kMilliG;
-  model.gyro_range = 2000 * kDegree;
+  model.gyro_range = 2000 * kRadPerDeg;
   model.acc_range = 3 * kStandardGravity;
   if (preset == ImuPreset::datasheet) {
     model.scale_error = 1 * kPercent;
@@ -88,7 +87,7 @@ ImuModel imu_model(const ImuParams& params) {
   model.rate = params.rate;
   override_with(params.gyro_noise, 1, model.gyro_noise);
   override_with(params.acc_noise, 1, model.acc_noise);
-  override_with(params.gyro_bias, kDegree, model.initial_gyro_bias);
+  override_with(params.gyro_bias, kRadPerDeg, model.initial_gyro_bias);
   override_with(params.acc_bias, kMilliG, model.initial_acc_bias);
   override_with(params.gyro_bias_walk, 1, model.gyro_bias_walk);
   override_with(params.acc_bias_walk, 1, model.acc_bias_walk);
@@ -96,7 +95,7 @@ ImuModel imu_model(const ImuParams& params) {
   override_with(params.cross_axis, kPercent, model.cross_axis);
   override_with(params.g_sensitivity, kDegreePerSecondPerG, model.g_sensitivity);
   override_with(params.delay, kMillisecond, model.delay);
-  override_with(params.gyro_range, kDegree, model.gyro_range);
+  override_with(params.gyro_range, kRadPerDeg, model.gyro_range);
   override_with(params.acc_range, kStandardGravity, model.acc_range);
   return model;
 }

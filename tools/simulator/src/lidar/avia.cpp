@@ -1,12 +1,12 @@
 #include "aslio/simulator/avia.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "aslio/core/angles.hpp"
 
 namespace aslio::simulator::avia {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 /// Amplitudes of each prism: fractions of the full field of view.
 constexpr double kAzimuth = 0.48 * kFovHorizontal / 2 * kRadPerDeg;
 constexpr double kElevation = 0.43 * kFovVertical / 2 * kRadPerDeg;

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "purposes.hpp"
 
 namespace aslio::simulator {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 /// Surfaces nearer to each other along the beam than the first merge into one return; farther apart than the second
 /// they are told apart, and the nearer one is reported.
 constexpr double kSameSurface = 0.15, kToldApart = 1.5;  // [m]

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/simulator/avia.hpp"
 
 namespace aslio::simulator {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 struct SineCosine {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/simulator/random.hpp"
 #include "aslio/simulator/walk.hpp"
@@ -15,18 +16,18 @@
 namespace aslio::simulator {
 namespace {
 
-constexpr double kPi = std::numbers::pi, kDeg = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 constexpr double kStraight = 1e-9;  ///< no corner below this angle [rad]
 
 /// Amplitudes. Running: at 2.7 Hz peaks of 2 to 2.5 g leave 2.5 cm (7 cm would be 5 g).
 Gait gait_of(GaitKind kind) {
   switch (kind) {
     case GaitKind::walking:
-      return {.frequency = 1.9, .height = 0.015, .roll = 1 * kDeg, .pitch = 1 * kDeg};
+      return {.frequency = 1.9, .height = 0.015, .roll = 1 * kRadPerDeg, .pitch = 1 * kRadPerDeg};
     case GaitKind::oscillating:
-      return {.frequency = 1.9, .height = 0.03, .roll = 2 * kDeg, .pitch = 2 * kDeg};
+      return {.frequency = 1.9, .height = 0.03, .roll = 2 * kRadPerDeg, .pitch = 2 * kRadPerDeg};
     case GaitKind::running:
-      return {.frequency = 2.7, .height = 0.025, .roll = 7 * kDeg, .pitch = 7 * kDeg};
+      return {.frequency = 2.7, .height = 0.025, .roll = 7 * kRadPerDeg, .pitch = 7 * kRadPerDeg};
     case GaitKind::smooth:
       break;
   }
@@ -242,8 +243,8 @@ void RoutePlan::add_glances() {
             fmt::format("walk.glances[{}]: at {:g} of the round it lasts {:.2f} s longer than the walk; "
                         "make `at` smaller or standstill longer",
                         k, glance.at, back + glance.turn - end));
-      turns_.push_back({begin, glance.turn, glance.angle * kDeg});
-      turns_.push_back({back, glance.turn, -glance.angle * kDeg});
+      turns_.push_back({begin, glance.turn, glance.angle * kRadPerDeg});
+      turns_.push_back({back, glance.turn, -glance.angle * kRadPerDeg});
     }
   }
 }
