@@ -14,13 +14,17 @@ class CarriedPoints final : public PointRevision {
   /// Room for the updates of half a second at 125 Hz, five times what the shipped windows reach back over.
   CarriedPoints() { slices_.reserve(64); }
 
-  void clear() { slices_.clear(); }
+  void clear() {
+    slices_.clear();
+    settled_ = 0;
+  }
   /// Points of `t` or before are not asked for any more.
   void forget(TimeNs t);
   /// After an update, whose points are where it placed them: those before them have moved by its correction, if it has
-  /// accepted one, or are forgotten, with the map or because the motion since them is not known.
+  /// accepted one, stay where they are from now on, when the update is not finite, or are forgotten with the
+  /// map.
   void follow(const Update& update, const WindowPlan& plan);
-  /// Moves all points by the correction of the state at prior.t, which is after them.
+  /// Moves all points by the correction of the state at prior.t, which is after them, but those that have settled.
   void correct(const NavState& prior, const NavState& posterior);
   /// From now on points of (begin, end] are known. Pre: begin is not before the last end.
   void append(TimeNs begin, TimeNs end) { slices_.push_back({.begin = begin, .end = end}); }
@@ -47,6 +51,7 @@ class CarriedPoints final : public PointRevision {
     Vec3 shift = Vec3::Zero(), drift = Vec3::Zero();
   };
   std::vector<Slice> slices_;  ///< in time order
+  std::size_t settled_ = 0;    ///< of them, from the oldest on: later corrections say nothing of them
 };
 
 }  // namespace aslio::plugins

@@ -102,7 +102,7 @@ TEST_CASE("a path without force or turn, begun otherwise: points go where it wou
   }
 }
 
-TEST_CASE("a refused update moves nothing, a new map and a motion nobody knows let go of all") {
+TEST_CASE("a refused update moves nothing, nor does one whose motion nobody knows, and a new map lets go of all") {
   std::mt19937 random(10);
   const TimeNs first = kRoomEpoch + 10'000'000, second = first + 10'000'000;
   const WorldPoint point{.p_W = Vec3(3, 2, 1), .t = first};
@@ -128,7 +128,44 @@ TEST_CASE("a refused update moves nothing, a new map and a motion nobody knows l
   CHECK(once != point.p_W);
   CHECK(after([](Update&) {}) != once);
   CHECK(after([](Update& u) { u.restart_map = true; }) == point.p_W);
-  CHECK(after([](Update& u) { u.status = UpdateStatus::non_finite; }) == point.p_W);
+  CHECK(after([](Update& u) { u.status = UpdateStatus::non_finite; }) == once);
+}
+
+TEST_CASE("points from before a motion that nobody knows stay where they are, those after it move on") {
+  std::mt19937 random(11);
+  const TimeNs first = kRoomEpoch + 10'000'000, second = first + 10'000'000, third = second + 10'000'000;
+  const Vec3 p(3, 2, 1);
+  const auto follow = [](CarriedPoints& carried, UpdateStatus status, const Correction& c, TimeNs begin, TimeNs end) {
+    Update update;
+    update.prior = c.prior;
+    update.state = c.posterior;
+    update.status = status;
+    update.accepted = status == UpdateStatus::ok;
+    WindowPlan plan;
+    plan.fresh_begin = begin;
+    plan.end = end;
+    carried.follow(update, plan);
+  };
+  CarriedPoints carried;
+  const Correction known = random_correction(random, second), later = random_correction(random, third + 1);
+  carried.append(kRoomEpoch, first);
+  carried.correct(known.prior, known.posterior);
+  std::size_t hint = 0;
+  const Vec3 settled = carried.place(first, p, hint);
+  follow(carried, UpdateStatus::non_finite, known, first, second);
+  follow(carried, UpdateStatus::ok, later, second, third);
+  CHECK(settled != p);
+  CHECK(carried.place(first, p, hint) == settled);
+  const Vec3 moved = carried.place(second, p, hint);
+  CHECK(moved != p);
+  carried.forget(first);  // one of those that have settled
+  const Correction last = random_correction(random, third + 2);
+  carried.correct(last.prior, last.posterior);
+  CHECK(carried.place(second, p, hint) != moved);
+  carried.clear();
+  carried.append(kRoomEpoch, first);
+  carried.correct(last.prior, last.posterior);
+  CHECK(carried.place(first, p, hint) != p);
 }
 
 TEST_CASE("carry: points that were placed while the velocity was unknown come nearer to the walls they are of") {

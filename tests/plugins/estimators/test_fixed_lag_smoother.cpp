@@ -64,6 +64,28 @@ TEST_CASE("fixed_lag_smoother: begun anew, it does not vouch for the velocity of
   CHECK(filter.estimator->state().b_a.norm() < 0.3);
 }
 
+TEST_CASE(
+    "fixed_lag_smoother: while its front seeks the velocity of a start in motion nothing is smoothed") {  // eq. INI-3
+  const TurningRoom motion{.drift = Vec3(1.0, 0.5, 0)};
+  Filter filter({smoother(", front: {type: ieskf}")});
+  filter.build_map(1);
+  InitialState initial;
+  initial.state.t = kRoomEpoch;
+  initial.state.b_w = Vec3(0.001, 0.002, -0.001);
+  initial.mode = InitialMode::dynamic_start;
+  initial.sigma_velocity = 3.0;
+  filter.estimator->reset(initial);
+  for (std::uint32_t k = 0; k < 12; ++k) {
+    const Update& update = filter.update(RoomWindow(kRoomEpoch + k * kTenth, kTenth, motion, k + 2));
+    CAPTURE(k);
+    REQUIRE(update.accepted);
+    CHECK(update.restart_map == (k < 5));
+    CHECK(update.P.allFinite());
+    CHECK((update.state.b_w == initial.state.b_w) == (k < 5));
+  }
+  CHECK((filter.estimator->state().v - motion.drift).norm() < 0.2);
+}
+
 TEST_CASE("fixed_lag_smoother predicts with what it has found") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.4), .drift = Vec3(0.4, 0.2, 0)};
   Filter filter({smoother("")}, 3.0);
