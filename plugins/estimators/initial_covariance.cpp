@@ -34,6 +34,11 @@ void describe_estimated(config::Binder& b, EstimatedStates& p) {
       "MEMS gyro; a gyro that was calibrated: what that is worth)");
   b.real("sigma_gyro_cross", p.sigma_gyro_cross, "", {.above = 0, .max = 0.5},
          "gyro_calibration: full: standard deviation of each cross-axis term at the start");
+  b.reals("sigma_gyro_sensitivity", p.sigma_gyro_sensitivity, 0, "", {.above = 0, .max = 0.5},
+          "gyro_calibration: diagonal, full: standard deviation of each entry of the gyro's sensitivity at the start, "
+          "nine, row by row, in place of the two above (`aslio calibrate` tells them; empty: those)");
+  b.require(p.sigma_gyro_sensitivity.empty() || p.sigma_gyro_sensitivity.size() == 9, "sigma_gyro_sensitivity",
+            "must be empty or nine numbers, row by row");
   b.flag("time_offset", p.time_offset, "estimate the delay of the IMU");
   b.real("sigma_time_offset", p.sigma_time_offset, "s", {.above = 0, .max = 1},
          "time_offset: standard deviation of the delay at the start");
@@ -60,12 +65,14 @@ StateMatrix initial_covariance(const InitialState& initial, const EstimatedState
   }
   using Calibration = EstimatedStates::GyroCalibration;
   const Calibration calibrated = estimated.gyro_calibration;
-  const double scale = calibrated != Calibration::none ? squared(estimated.sigma_gyro_scale) : 0.0;
-  const double cross = calibrated == Calibration::full ? squared(estimated.sigma_gyro_cross) : 0.0;
+  const auto& each = estimated.sigma_gyro_sensitivity;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
+      const bool scale = row == column;
+      if (calibrated == Calibration::none || (calibrated == Calibration::diagonal && !scale)) continue;
+      const double usual = scale ? estimated.sigma_gyro_scale : estimated.sigma_gyro_cross;
       const int k = block::s + 3 * column + row;
-      P(k, k) = row == column ? scale : cross;
+      P(k, k) = squared(each.empty() ? usual : each[static_cast<std::size_t>(3 * row + column)]);
     }
   }
   if (estimated.time_offset) P(block::d, block::d) = squared(estimated.sigma_time_offset);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/estimator.hpp"
 
@@ -17,9 +19,10 @@ struct EstimatedStates {
   bool time_offset = false;
   // Standard deviations at the start of what is estimated of the IMU: data-sheet limits of MEMS gyros such as the
   // BMI088.
-  double sigma_gyro_scale = 0.01;    ///< of each scale factor
-  double sigma_gyro_cross = 0.005;   ///< of each cross-axis term
-  double sigma_time_offset = 0.003;  ///< [s]
+  double sigma_gyro_scale = 0.01;              ///< of each scale factor
+  double sigma_gyro_cross = 0.005;             ///< of each cross-axis term
+  std::vector<double> sigma_gyro_sensitivity;  ///< of each entry of S, row by row, in place of those two; empty: those
+  double sigma_time_offset = 0.003;            ///< [s]
 };
 
 void describe_gravity(config::Binder& b, EstimatedStates::Gravity& gravity);

@@ -126,21 +126,33 @@ TEST_CASE("the covariance at the start: a world defined by the first pose, and n
   CHECK(std::sqrt(calibrated(block::s + 4, block::s + 4)) == Approx(0.002));
   CHECK(std::sqrt(calibrated(block::s + 5, block::s + 5)) == Approx(0.001));
   CHECK(std::sqrt(calibrated(block::d, block::d)) == Approx(0.0005));
+
+  all.sigma_gyro_sensitivity = {0.001, 0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008, 0.009};  // row by row
+  const StateMatrix each = plugins::initial_covariance(initial, all, 0.5);
+  CHECK(std::sqrt(each(block::s, block::s)) == Approx(0.001));
+  CHECK(std::sqrt(each(block::s + 1, block::s + 1)) == Approx(0.004));  // of a state by columns
+  CHECK(std::sqrt(each(block::s + 6, block::s + 6)) == Approx(0.003));
+  all.gyro_calibration = EstimatedStates::GyroCalibration::diagonal;
+  const StateMatrix three = plugins::initial_covariance(initial, all, 0.5);
+  CHECK(std::sqrt(three(block::s + 8, block::s + 8)) == Approx(0.009));
+  CHECK(three(block::s + 1, block::s + 1) == 0);
 }
 
 TEST_CASE("a gyro that is said to be calibrated is believed: one turn does not change what is known of it") {
   // eq. INI-4. The gyro reads 2 % too much.
   const auto learnt = [](const std::string& sigma) {
     Filter filter({"estimator.deskew_correction=state", "estimator.gyro_calibration=full", "estimator.noise=physical",
-                   "estimator.sigma_gyro_scale=" + sigma});
+                   "estimator." + sigma});
     filter.build_map(1);
     const TurningRoom motion{.rate = Vec3(0, 0, 3.0), .gyro_error = Vec3(0, 0, 0.02)};
     const Update& update = filter.update(RoomWindow(kRoomEpoch, kTenth, motion, 2));
     REQUIRE(update.accepted);
     return update.state.S_w(2, 2);
   };
-  CHECK(learnt("0.01") == Approx(0.02).margin(0.002));
-  CHECK(std::abs(learnt("1e-5")) < 1e-4);
+  CHECK(learnt("sigma_gyro_scale=0.01") == Approx(0.02).margin(0.002));
+  CHECK(std::abs(learnt("sigma_gyro_scale=1e-5")) < 1e-4);
+  CHECK(std::abs(learnt("sigma_gyro_sensitivity=[0.01,0.01,1e-5,0.01,0.01,1e-5,0.01,0.01,1e-5]")) < 1e-4);
+  CHECK_THROWS_WITH(learnt("sigma_gyro_sensitivity=[0.01,0.01]"), Catch::Contains("must be empty or nine numbers"));
 }
 
 TEST_CASE("the times of the parts of an update are disjoint: together no more than the update took") {
