@@ -7,8 +7,8 @@ using namespace aslio::test;
 using Catch::Matchers::Contains;
 
 TEST_CASE("every command has help with an example") {
-  for (const char* command :
-       {"run", "simulate", "list", "describe", "check", "diff", "inspect", "evaluate", "overlap", "version"}) {
+  for (const char* command : {"run", "simulate", "list", "describe", "check", "diff", "inspect", "evaluate",
+                              "calibrate", "overlap", "version"}) {
     const Ended ended = run_aslio({command, "--help"});
     INFO(command);
     CHECK(ended.code == 0);

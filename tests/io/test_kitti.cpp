@@ -178,6 +178,26 @@ TEST_CASE("the angular rates of a whole drive are judged") {
   CHECK(contains(open_source(drive, calibrated())->notes().warnings, "1 sample(s) turn faster than"));
 }
 
+TEST_CASE("what a sensor file knows of the IMU is taken out of a drive's samples") {  // eq. MOT-11
+  TemporaryFolder folder;
+  const fs::path drive = write_drive(folder.path());
+  const auto first = [&](const SensorConfig& sensor) {
+    const auto source = open_source(drive, sensor);
+    while (const auto measurement = source->next()) {
+      if (const auto* sample = std::get_if<ImuSample>(&*measurement)) return *sample;
+    }
+    return ImuSample{};
+  };
+  SensorConfig sensor = calibrated();
+  const ImuSample raw = first(sensor);
+  sensor.gyro_sensitivity(0, 2) = 0.01;
+  sensor.imu_delay = 0.01;
+  const ImuSample taken = first(sensor);
+  CHECK(taken.gyro.isApprox(raw.gyro - Vec3(0.0019, 0, 0)));
+  CHECK(taken.t == raw.t - kSecond / 100);
+  CHECK(contains(open_source(drive, sensor)->notes().verdicts, "gyro_sensitivity of the sensor file"));
+}
+
 TEST_CASE("inspection of a drive") {
   TemporaryFolder folder;
   const InputReport report = inspect(write_drive(folder.path()), calibrated());

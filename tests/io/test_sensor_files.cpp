@@ -56,6 +56,25 @@ TEST_CASE("values of a sensor file") {
   CHECK((sensor.model.T_imu_lidar * Vec3(1, 0, 0)).isApprox(Vec3(1, 3, 3)));
 }
 
+TEST_CASE("the calibration of the IMU in a sensor file: row by row, and small") {
+  const std::string text = "gyro_sensitivity: [0.01, 0.002, 0, 0, 0, 0, 0, 0, -0.005]\nimu_delay: 0.0015\n";
+  const SensorConfig sensor = parse(text);
+  CHECK(sensor.gyro_sensitivity(0, 1) == 0.002);
+  CHECK(sensor.gyro_sensitivity(1, 0) == 0);
+  CHECK(sensor.gyro_sensitivity(2, 2) == -0.005);
+  CHECK(sensor.imu_delay == 0.0015);
+  CHECK(parse("").gyro_sensitivity.isZero(0));
+  const auto dump =
+      config::parse<SensorConfig>("schema: aslio/sensor/1\n" + text, "s.yaml", config::FileKind::sensor, NoStages())
+          .resolved;
+  CHECK(config::parse<SensorConfig>(dump, "dump", config::FileKind::sensor, NoStages()).value.gyro_sensitivity ==
+        sensor.gyro_sensitivity);
+  // Calibrations are given as I + S, too.
+  CHECK(contains(error("gyro_sensitivity: [1.01, 0, 0, 0, 1, 0, 0, 0, 1]\n"), "gyro_sensitivity"));
+  CHECK_FALSE(error("gyro_sensitivity: [0.01, 0.01, 0.01]\n").empty());
+  CHECK(contains(error("imu_delay: 2\n"), "imu_delay"));
+}
+
 TEST_CASE("an extrinsic that is no rotation is refused at its place") {
   const std::string skewed = error("T_imu_lidar:\n  rotation: [1, 0.1, 0, 0, 1, 0, 0, 0, 1]\n");
   CHECK(contains(skewed, "s.yaml:3:"));

@@ -180,4 +180,46 @@ TEST_CASE("rates beyond any gyroscope are counted over the whole recording") {
       contains(read_whole(GyroUnit::deg_s, 3000, 3).last.warnings, "(the fastest 52.4), beyond any gyroscope; check"));
 }
 
+TEST_CASE("what a sensor file knows of the IMU is taken out of every sample, and said") {  // eq. MOT-11
+  TemporaryFolder folder;
+  Recording recording;
+  recording.turn = [](int i) { return Vec3(30 + i, -40, 20); };  // deg/s
+  recording.write(folder / "a.bag");
+  const auto samples = [&](const SensorConfig& sensor, std::vector<std::string>& verdicts) {
+    const auto source = open_source(folder / "a.bag", sensor);
+    std::vector<ImuSample> out;
+    while (const auto measurement = source->next()) {
+      if (const auto* sample = std::get_if<ImuSample>(&*measurement)) out.push_back(*sample);
+    }
+    verdicts = source->notes().verdicts;
+    return out;
+  };
+  SensorConfig sensor;
+  sensor.gyro_unit = GyroUnit::deg_s;
+  std::vector<std::string> verdicts;
+  const auto raw = samples(sensor, verdicts);
+  CHECK_FALSE(contains(verdicts, "of the sensor file"));
+  sensor.gyro_sensitivity << 0.01, 0.002, 0, -0.003, -0.008, 0.001, 0.004, 0, 0.006;
+  sensor.imu_delay = 0.002;
+  const auto taken = samples(sensor, verdicts);
+  REQUIRE(taken.size() == raw.size());
+  REQUIRE(raw.size() > 100);
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    CHECK((taken[i].gyro + sensor.gyro_sensitivity * taken[i].gyro - raw[i].gyro).norm() < 1e-14);
+    CHECK(taken[i].t == raw[i].t - 2 * kSecond / 1000);
+    CHECK(taken[i].acc == raw[i].acc);
+  }
+  CHECK(contains(verdicts, "(scale up to 1.00 %, cross-axis up to 0.40 %)"));
+  CHECK(contains(verdicts, "2.000 ms earlier than sent, by the imu_delay of the sensor file"));
+  // A section is one of the motion, not of stamps.
+  const auto part = open_source(folder / "a.bag", sensor, {.start = 1.0, .duration = 0.5});
+  while (const auto measurement = part->next()) {
+    const auto* sample = std::get_if<ImuSample>(&*measurement);
+    if (sample != nullptr) CHECK((sample->t >= *part->begin_time() && sample->t < *part->end_time()));
+  }
+  sensor.imu_delay = -0.001;
+  CHECK(samples(sensor, verdicts).front().t == raw.front().t + kSecond / 1000);
+  CHECK(contains(verdicts, "1.000 ms later than sent"));
+}
+
 }  // namespace aslio::io::test

@@ -27,6 +27,7 @@ Command add_check(CLI::App& root);
 Command add_diff(CLI::App& root);
 Command add_inspect(CLI::App& root);
 Command add_evaluate(CLI::App& root);
+Command add_calibrate(CLI::App& root);
 Command add_overlap(CLI::App& root);
 Command add_simulate(CLI::App& root);
 Command add_experiment(CLI::App& root);

@@ -20,11 +20,22 @@ namespace aslio::cli {
 namespace {
 
 std::vector<Command> add_commands(CLI::App& root, const std::vector<std::string>& command_line) {
-  return {add_run(root, command_line), add_simulate(root),   add_list(root),
-          add_describe(root),          add_check(root),      add_diff(root),
-          add_inspect(root),           add_evaluate(root),   add_overlap(root),
-          add_experiment(root),        add_report(root),     add_status(root),
-          add_compare(root),           add_new_plugin(root), add_version(root)};
+  return {add_run(root, command_line),
+          add_simulate(root),
+          add_list(root),
+          add_describe(root),
+          add_check(root),
+          add_diff(root),
+          add_inspect(root),
+          add_evaluate(root),
+          add_calibrate(root),
+          add_overlap(root),
+          add_experiment(root),
+          add_report(root),
+          add_status(root),
+          add_compare(root),
+          add_new_plugin(root),
+          add_version(root)};
 }
 
 /// Messages are of a megabyte and come ten times a second: memory that goes back to the system with each of them is

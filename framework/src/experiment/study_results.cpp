@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
+#include "read_json.hpp"
 
 namespace aslio::experiment {
 
@@ -20,19 +19,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kKeyFile = "run_key.json";
-
-/// Nothing when the file is not there, cannot be read, or is no JSON object.
-std::optional<Json> read_json(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return std::nullopt;  // reading a folder fails, a pipe waits for its writer
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  // Read first: Json::parse() lets through what the stream throws when the disk fails.
-  if (!stream || !(text << stream.rdbuf())) return std::nullopt;
-  Json json = Json::parse(text.str(), nullptr, false);
-  if (json.is_discarded() || !json.is_object()) return std::nullopt;
-  return json;
-}
 
 std::string text_of(const Json& json, const char* key) {
   const auto at = json.find(key);

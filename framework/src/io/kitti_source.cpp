@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "decode/decode.hpp"
 #include "imu_rate.hpp"
@@ -25,8 +25,10 @@ class KittiSource final : public MeasurementSource {
       if (s.t - drive_.imu.front().t <= 5 * kSecond) first.push_back(s);
     }
     units_ = decode::judge_imu_units(first, sensor.acc_unit, sensor.gyro_unit, where + "/oxts");
+    const decode::ImuReading reading(units_, sensor);
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
+    for (std::string& text : reading.verdicts()) notes_.verdicts.push_back(std::move(text));
     note_imu_rate(first, notes_);
     note_gyro_range(sensor.gyro_unit);
     notes_.verdicts.push_back("lidar point times: by the azimuth between timestamps_start and timestamps_end");
@@ -37,6 +39,7 @@ class KittiSource final : public MeasurementSource {
       notes_.warnings.push_back(fmt::format("{}: {} OXTS packets are listed but missing", where, drive_.missing_imu));
     }
     if (sensor.from_file) compare_extrinsic(sensor.model.T_imu_lidar);
+    for (ImuSample& sample : drive_.imu) reading.apply(sample);
     set_section(section);
   }
 
@@ -47,10 +50,8 @@ class KittiSource final : public MeasurementSource {
       // By the time at which they begin, for a drive records no order of arrival. A scan after the IMU samples of its
       // revolution would come too late in part when the odometry starts on one of them.
       if (imu_left && (!scans_left || drive_.imu[imu_].t <= drive_.scans[scan_].begin)) {
-        ImuSample sample = drive_.imu[imu_++];
+        const ImuSample& sample = drive_.imu[imu_++];
         if (sample.t < from_ || sample.t >= until_) continue;
-        sample.acc *= units_.acc;
-        sample.gyro *= units_.gyro;
         return Measurement(sample);
       }
       const KittiScan& scan = drive_.scans[scan_];
@@ -83,7 +84,7 @@ class KittiSource final : public MeasurementSource {
   void compare_extrinsic(const Pose& T_imu_lidar) {
     if (!drive_.T_imu_velo) return;
     const Pose difference = drive_.T_imu_velo->inverse() * T_imu_lidar;
-    const double degrees = log_so3(difference.R).norm() * 180.0 / std::numbers::pi;
+    const double degrees = log_so3(difference.R).norm() * kDegPerRad;
     if (difference.p.norm() <= 1e-3 && degrees <= 0.01) return;
     notes_.warnings.push_back(
         fmt::format("{}: T_imu_lidar of the sensor file is {:.1f} mm and {:.3f} deg away from "

@@ -13,28 +13,34 @@ namespace {
 /// Calibration files carry six digits or more; what deviates further was mistyped.
 constexpr double kOrthonormalTolerance = 1e-4;
 
+/// A 3x3 matrix from nine numbers, row by row; zero unless there are nine.
+Mat3 matrix_of(const std::vector<double>& rows) {
+  Mat3 M = Mat3::Zero();
+  for (std::size_t i = 0; i < 9 && rows.size() == 9; ++i) {
+    M(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = rows[i];
+  }
+  return M;
+}
+
+std::vector<double> rows_of(const Mat3& M) {
+  std::vector<double> rows;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) rows.push_back(M(row, column));
+  }
+  return rows;
+}
+
 struct PoseBlock {
   std::vector<double> translation, rotation;
 
-  explicit PoseBlock(const Pose& T) : translation{T.p.x(), T.p.y(), T.p.z()} {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) rotation.push_back(T.R(row, column));
-    }
-  }
-  Mat3 matrix() const {
-    Mat3 R = Mat3::Zero();
-    for (std::size_t i = 0; i < 9 && rotation.size() == 9; ++i) {
-      R(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = rotation[i];
-    }
-    return R;
-  }
+  explicit PoseBlock(const Pose& T) : translation{T.p.x(), T.p.y(), T.p.z()}, rotation(rows_of(T.R)) {}
 
   static void describe(config::Binder& b, PoseBlock& block) {
     b.reals("translation", block.translation, 3, "m", {.min = -100.0, .max = 100.0},
             "origin of the LiDAR in the IMU frame");
     b.reals("rotation", block.rotation, 9, "1", {.min = -1.001, .max = 1.001},
             "rotation from the LiDAR to the IMU frame, row by row");
-    const Mat3 R = block.matrix();
+    const Mat3 R = matrix_of(block.rotation);
     const double deviation = (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff();
     b.require(deviation < kOrthonormalTolerance, "rotation",
               fmt::format("is not orthonormal: R^T R deviates from identity by {:.3g} (at most {:.0e})", deviation,
@@ -67,11 +73,18 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   if (extrinsic.translation.size() == 3 && extrinsic.rotation.size() == 9) {
     // Digits cut by hand are made a rotation again; full precision is kept bit for bit, so that a dump reads back
     // equal.
-    const Mat3 R = extrinsic.matrix();
+    const Mat3 R = matrix_of(extrinsic.rotation);
     const bool exact = (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-12;
     model.T_imu_lidar.p = Vec3(extrinsic.translation[0], extrinsic.translation[1], extrinsic.translation[2]);
     model.T_imu_lidar.R = exact ? R : orthonormalised(R);
   }
+  std::vector<double> sensitivity = rows_of(sensor.gyro_sensitivity);
+  b.reals("gyro_sensitivity", sensitivity, 9, "1", {.min = -0.2, .max = 0.2},
+          "S, known beforehand, row by row: the gyro measures (I + S) w and a bias; taken out of what is read "
+          "(`aslio calibrate` tells it from runs)");
+  sensor.gyro_sensitivity = matrix_of(sensitivity);
+  b.real("imu_delay", sensor.imu_delay, "s", {.min = -1.0, .max = 1.0},
+         "known beforehand: an IMU sample tells of the motion this long before its stamp; taken out of the stamps");
   std::int64_t lines = model.scan_lines;
   b.integer("scan_lines", lines, "1", {.min = 1, .max = 256}, "scan lines; Livox points of a higher line are dropped");
   model.scan_lines = static_cast<int>(lines);

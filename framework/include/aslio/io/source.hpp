@@ -28,6 +28,9 @@ struct SensorConfig {
   bool livox_tag_filter = true;     ///< keep (tag & 0x30) in {0x00, 0x10} (first or strongest return)
   bool require_point_times = true;  ///< refuse clouds whose per-point time cannot be known
   SensorModel model;
+  // What is known of the IMU beforehand (docs/equations.md MOT-11): taken out of every sample that is read.
+  Mat3 gyro_sensitivity = Mat3::Zero();  ///< S: the gyro measures (I + S) w and a bias
+  double imu_delay = 0;                  ///< a sample tells of the motion this long before its stamp [s]
   bool from_file = false;  ///< a sensor file was read: its extrinsic is meant, also where it is the identity
 
   static void describe(config::Binder& b, SensorConfig& sensor);

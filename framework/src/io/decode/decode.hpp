@@ -55,6 +55,29 @@ struct ImuUnits {
   std::vector<std::string> verdicts, warnings;
 };
 
+/// From samples as sent to SI, without what the sensor file knows of the IMU (docs/equations.md MOT-11).
+class ImuReading {
+ public:
+  ImuReading() = default;
+  ImuReading(const ImuUnits& units, const SensorConfig& sensor);
+  void apply(ImuSample& sample) const {
+    sample.acc *= acc_;
+    sample.gyro *= gyro_;
+    if (sensitivity_) sample.gyro = without_sensitivity_ * sample.gyro;
+    sample.t -= delay_;
+  }
+  /// What stamps are moved back by [ns].
+  TimeNs delay() const { return delay_; }
+  /// What is taken out, for the user; nothing where the sensor file knows nothing.
+  std::vector<std::string> verdicts() const;
+
+ private:
+  double acc_ = 1, gyro_ = 1;
+  std::optional<Mat3> sensitivity_;
+  Mat3 without_sensitivity_ = Mat3::Identity();  ///< (I + S)^-1
+  TimeNs delay_ = 0;
+};
+
 /// Largest angular rate a common gyroscope can report (+-2000 deg/s = 34.9 rad/s), with some room [rad/s].
 inline constexpr double kFastestGyro = 40.0;
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -156,6 +157,31 @@ ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUn
   judge_acc(median_norm(samples), acc, where, units);
   judge_gyro(samples, gyro, where, units);
   return units;
+}
+
+ImuReading::ImuReading(const ImuUnits& units, const SensorConfig& sensor)
+    : acc_(units.acc), gyro_(units.gyro), delay_(to_ns(sensor.imu_delay)) {
+  if (sensor.gyro_sensitivity.isZero(0)) return;  // nothing is multiplied: the samples stay as they are, to the bit
+  sensitivity_ = sensor.gyro_sensitivity;
+  without_sensitivity_ = (Mat3::Identity() + *sensitivity_).inverse();
+}
+
+std::vector<std::string> ImuReading::verdicts() const {
+  std::vector<std::string> out;
+  if (sensitivity_) {
+    const double scale = sensitivity_->diagonal().cwiseAbs().maxCoeff();
+    Mat3 cross = *sensitivity_;
+    cross.diagonal().setZero();
+    out.push_back(
+        fmt::format("imu angular rate: without the gyro_sensitivity of the sensor file (scale up to {:.2f} %, "
+                    "cross-axis up to {:.2f} %)",
+                    100 * scale, 100 * cross.cwiseAbs().maxCoeff()));
+  }
+  if (delay_ != 0) {
+    out.push_back(fmt::format("imu stamps: {:.3f} ms {} than sent, by the imu_delay of the sensor file",
+                              1e3 * std::abs(to_seconds(delay_)), delay_ > 0 ? "earlier" : "later"));
+  }
+  return out;
 }
 
 }  // namespace aslio::io::decode

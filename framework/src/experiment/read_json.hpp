@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+
+namespace aslio::experiment {
+
+/// Nothing when the file is not there, cannot be read, or is no JSON object.
+inline std::optional<nlohmann::ordered_json> read_json(const std::filesystem::path& path) {
+  std::error_code ignored;
+  // Reading a folder fails, a pipe waits for its writer.
+  if (!std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  // Read first: parse() lets through what the stream throws when the disk fails.
+  if (!stream || !(text << stream.rdbuf())) return std::nullopt;
+  auto json = nlohmann::ordered_json::parse(text.str(), nullptr, false);
+  if (json.is_discarded() || !json.is_object()) return std::nullopt;
+  return json;
+}
+
+}  // namespace aslio::experiment
