@@ -113,9 +113,10 @@ Command add_calibrate(CLI::App& root) {
   app->add_option("--output", arguments->output, "sensor file to write; one that this command wrote is replaced")
       ->required();
   app->footer(
-      "A walk that turns fast about every axis, more than once, tells most. Example:\n"
-      "  aslio run configs/pipelines/as_lio.yaml --input walk.bag --sensor mine.yaml --output out/walk\n"
-      "  aslio calibrate out/walk --output mine_calibrated.yaml");
+      "Several walks tell more than one, and a walk tells of the axes it turns about. Example:\n"
+      "  aslio run configs/pipelines/as_lio.yaml --input walk_1.bag --sensor mine.yaml --output out/walk_1\n"
+      "  aslio run configs/pipelines/as_lio.yaml --input walk_2.bag --sensor mine.yaml --output out/walk_2\n"
+      "  aslio calibrate out/walk_1 out/walk_2 --output mine_calibrated.yaml");
   return {app, [=] { return calibrate(*arguments); }};
 }
 
