@@ -196,11 +196,12 @@ SensorCalibration combine(const std::vector<RunCalibration>& runs, const config:
     out.gyro_sensitivity.sigma(i) = entry.sigma;
   }
   out.imu_delay = delay.result("imu_delay");
-  if (out.gyro_sensitivity.value.cwiseAbs().maxCoeff() > 0.2 || std::abs(out.imu_delay.value) > 1) {
+  const double largest = out.gyro_sensitivity.value.cwiseAbs().maxCoeff();
+  if (largest > io::SensorConfig::kMostSensitivity || std::abs(out.imu_delay.value) > io::SensorConfig::kMostDelay) {
     throw DataError(
         fmt::format("the sensitivity of the gyro would be off by up to {:.3g} % and its delay {:.3g} s: no "
                     "working sensor is; check its units and what the runs made of the recording",
-                    100 * out.gyro_sensitivity.value.cwiseAbs().maxCoeff(), out.imu_delay.value));
+                    100 * largest, out.imu_delay.value));
   }
   out.sensor_file = parse_sensor(runs.front().sensor_resolved, runs.front().run.string(), stages,
                                  with_calibration(out.gyro_sensitivity.value, out.imu_delay.value))

@@ -5,18 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "aslio/config/diff.hpp"
 #include "aslio/config/document.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/statistics/order.hpp"
 #include "aslio/statistics/signed_rank.hpp"
+#include "read_json.hpp"
 #include "study_csv.hpp"
 
 namespace aslio::experiment {
@@ -105,16 +103,13 @@ Folder read_folder(const fs::path& path) {
 /// The output folder of a run's study, with a slash at its end, as the run knew it: by its manifest, for the folder may
 /// have been moved since.
 std::string origin_of(const Folder& folder, const Run& run) {
-  std::ifstream stream(run.folder(folder.path) / "manifest.json", std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();  // parse() lets through what the stream throws where the file cannot be read
-  const auto manifest = nlohmann::json::parse(text.str(), nullptr, false);
+  const auto manifest = read_json(run.folder(folder.path) / "manifest.json");
   const std::string inside = run.folder({}).string();
-  const auto command = manifest.find("command_line");
-  if (command != manifest.end() && command->is_array()) {
-    for (std::size_t i = 1; i < command->size(); ++i) {
-      if ((*command)[i - 1] != "--output" || !(*command)[i].is_string()) continue;
-      const auto output = (*command)[i].get<std::string>();
+  if (manifest && manifest->contains("command_line") && manifest->at("command_line").is_array()) {
+    const auto& command = manifest->at("command_line");
+    for (std::size_t i = 1; i < command.size(); ++i) {
+      if (command[i - 1] != "--output" || !command[i].is_string()) continue;
+      const auto output = command[i].get<std::string>();
       if (output.ends_with("/" + inside)) return output.substr(0, output.size() - inside.size());
     }
   }

@@ -123,7 +123,7 @@ class BagSource final : public MeasurementSource {
     while (!past_section() && reader_.next(message)) {
       const bool is_imu_message = std::find(imu_ids_.begin(), imu_ids_.end(), message.connection) != imu_ids_.end();
       auto stamp = decode::header_stamp(message.bytes);
-      if (stamp && is_imu_message) *stamp -= reading_.delay();
+      if (stamp && is_imu_message) *stamp -= units_.delay;
       TimeNs& newest = is_imu_message ? newest_imu_ : newest_lidar_;
       if (stamp) newest = std::max(newest, *stamp);
       if (stamp && (*stamp < from_ || *stamp >= until_)) {
@@ -181,13 +181,11 @@ class BagSource final : public MeasurementSource {
       if (sample.t - samples.front().t > kJudgedImuSpan) break;
     }
     if (samples.empty()) fail_without(where, "IMU sample");
-    units_ = decode::judge_imu_units(samples, sensor.acc_unit, sensor.gyro_unit, where);
-    reading_ = decode::ImuReading(units_, sensor);
+    units_ = decode::judge_imu_units(samples, sensor, where);
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
-    for (std::string& text : reading_.verdicts()) notes_.verdicts.push_back(std::move(text));
     note_imu_rate(samples, notes_);
-    begin_ = samples.front().t - reading_.delay();
+    begin_ = samples.front().t - units_.delay;
   }
 
   void judge_lidar(const std::string& topic) {
@@ -229,7 +227,7 @@ class BagSource final : public MeasurementSource {
     const std::uint64_t too_fast = gyro_range_.too_fast(units_);
     gyro_range_.add(sample.gyro);
     if (gyro_range_.too_fast(units_) > too_fast) warn(too_fast_warning_, gyro_range_.beyond(units_));
-    reading_.apply(sample);
+    units_.apply(sample);
     return sample;
   }
 
@@ -276,7 +274,6 @@ class BagSource final : public MeasurementSource {
   std::unique_ptr<LidarDecoder> decoder_;
   std::vector<std::uint32_t> lidar_ids_, imu_ids_;
   decode::ImuUnits units_;
-  decode::ImuReading reading_;
   SourceNotes notes_;
   TimeNs begin_ = 0, end_ = 0, from_ = kTimeMin, until_ = kTimeMax;
   bool section_ended_ = false;  ///< all of it has been read

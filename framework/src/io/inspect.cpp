@@ -66,12 +66,9 @@ class TopicProbe {
 
   void judge_imu() {
     try {
-      const decode::ImuUnits units = decode::judge_imu_units(samples_, sensor_.acc_unit, sensor_.gyro_unit, where_);
+      const decode::ImuUnits units = decode::judge_imu_units(samples_, sensor_, where_);
       notes_.verdicts = units.verdicts;
       notes_.warnings = units.warnings;
-      for (std::string& text : decode::ImuReading(units, sensor_).verdicts()) {
-        notes_.verdicts.push_back(std::move(text));
-      }
       note_imu_rate(samples_, notes_);
       for (const std::string& text : {gyro_range_.beyond(units), gyro_range_.doubt(sensor_.gyro_unit)}) {
         if (!text.empty()) notes_.warnings.push_back(text);

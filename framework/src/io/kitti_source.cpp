@@ -24,11 +24,9 @@ class KittiSource final : public MeasurementSource {
     for (const ImuSample& s : drive_.imu) {
       if (s.t - drive_.imu.front().t <= 5 * kSecond) first.push_back(s);
     }
-    units_ = decode::judge_imu_units(first, sensor.acc_unit, sensor.gyro_unit, where + "/oxts");
-    const decode::ImuReading reading(units_, sensor);
+    units_ = decode::judge_imu_units(first, sensor, where + "/oxts");
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
-    for (std::string& text : reading.verdicts()) notes_.verdicts.push_back(std::move(text));
     note_imu_rate(first, notes_);
     note_gyro_range(sensor.gyro_unit);
     notes_.verdicts.push_back("lidar point times: by the azimuth between timestamps_start and timestamps_end");
@@ -39,7 +37,7 @@ class KittiSource final : public MeasurementSource {
       notes_.warnings.push_back(fmt::format("{}: {} OXTS packets are listed but missing", where, drive_.missing_imu));
     }
     if (sensor.from_file) compare_extrinsic(sensor.model.T_imu_lidar);
-    for (ImuSample& sample : drive_.imu) reading.apply(sample);
+    for (ImuSample& sample : drive_.imu) units_.apply(sample);
     set_section(section);
   }
 

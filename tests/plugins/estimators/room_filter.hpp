@@ -28,6 +28,16 @@ class ConstantHistory final : public HistoryPolicy {
   double weight_;
 };
 
+/// At the origin, with a gyro bias and a velocity that nobody knows.
+inline InitialState start_in_motion() {
+  InitialState initial;
+  initial.state.t = kRoomEpoch;
+  initial.state.b_w = Vec3(0.001, 0.002, -0.001);
+  initial.mode = InitialMode::dynamic_start;
+  initial.sigma_velocity = 3.0;
+  return initial;
+}
+
 /// The filter in the room, at the origin and at rest.
 struct Filter {
   explicit Filter(const std::vector<std::string>& overrides = {}, double sigma_velocity = 0.05,

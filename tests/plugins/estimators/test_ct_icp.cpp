@@ -115,11 +115,7 @@ TEST_CASE("with IMU: after a start in motion the map begins anew until the veloc
     CAPTURE(type);
     Filter filter({type});
     filter.build_map(1);
-    InitialState initial;
-    initial.state.t = kRoomEpoch;
-    initial.state.b_w = Vec3(0.001, 0.002, -0.001);
-    initial.mode = InitialMode::dynamic_start;
-    initial.sigma_velocity = 3.0;
+    const InitialState initial = start_in_motion();
     filter.estimator->reset(initial);
     for (std::uint32_t k = 0; k < 8; ++k) {
       const TimeNs end = kRoomEpoch + (k + 1) * kTenth;

@@ -69,11 +69,7 @@ TEST_CASE(
   const TurningRoom motion{.drift = Vec3(1.0, 0.5, 0)};
   Filter filter({smoother(", front: {type: ieskf}")});
   filter.build_map(1);
-  InitialState initial;
-  initial.state.t = kRoomEpoch;
-  initial.state.b_w = Vec3(0.001, 0.002, -0.001);
-  initial.mode = InitialMode::dynamic_start;
-  initial.sigma_velocity = 3.0;
+  const InitialState initial = start_in_motion();
   filter.estimator->reset(initial);
   for (std::uint32_t k = 0; k < 12; ++k) {
     const Update& update = filter.update(RoomWindow(kRoomEpoch + k * kTenth, kTenth, motion, k + 2));

@@ -28,7 +28,7 @@ Mat3 compose_gyro_sensitivity(const Mat3& known, const Mat3& learnt);
 RunCalibration read_calibration(const std::filesystem::path& run, const config::StageLookup& stages);
 
 /// Of what the turns of a walk show, runs claim to know the gyro's sensitivity two and a half to four times better than
-/// they do (docs/decisions.md).
+/// they do (docs/decisions.md; of two walks with the data sheet's IMU five and seven times, docs/results.md).
 inline constexpr double kClaimedTooWell = 4;
 
 /// What several runs of one sensor say together: means of the runs' values, weighted by what they claim. sigma is what

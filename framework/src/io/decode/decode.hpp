@@ -49,33 +49,21 @@ struct LivoxFacts {
 
 std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts);
 
-/// Factors to SI, how they were found, and doubts.
+/// Factors to SI, how they were found, and doubts; and what the sensor file knows of the IMU (docs/equations.md
+/// MOT-11).
 struct ImuUnits {
   double acc = 1, gyro = 1;
+  std::optional<Mat3> without_sensitivity;  ///< (I + S)^-1; nothing where S is zero
+  TimeNs delay = 0;                         ///< what stamps are moved back by [ns]
   std::vector<std::string> verdicts, warnings;
-};
 
-/// From samples as sent to SI, without what the sensor file knows of the IMU (docs/equations.md MOT-11).
-class ImuReading {
- public:
-  ImuReading() = default;
-  ImuReading(const ImuUnits& units, const SensorConfig& sensor);
+  /// From a sample as sent to SI, without what is known. One of which nothing is known stays as it is, to the bit.
   void apply(ImuSample& sample) const {
-    sample.acc *= acc_;
-    sample.gyro *= gyro_;
-    if (sensitivity_) sample.gyro = without_sensitivity_ * sample.gyro;
-    sample.t -= delay_;
+    sample.acc *= acc;
+    sample.gyro *= gyro;
+    if (without_sensitivity) sample.gyro = *without_sensitivity * sample.gyro;
+    sample.t -= delay;
   }
-  /// What stamps are moved back by [ns].
-  TimeNs delay() const { return delay_; }
-  /// What is taken out, for the user; nothing where the sensor file knows nothing.
-  std::vector<std::string> verdicts() const;
-
- private:
-  double acc_ = 1, gyro_ = 1;
-  std::optional<Mat3> sensitivity_;
-  Mat3 without_sensitivity_ = Mat3::Identity();  ///< (I + S)^-1
-  TimeNs delay_ = 0;
 };
 
 /// Largest angular rate a common gyroscope can report (+-2000 deg/s = 34.9 rad/s), with some room [rad/s].
@@ -83,7 +71,7 @@ inline constexpr double kFastestGyro = 40.0;
 
 /// Judges the units from the first seconds of samples. `where` names file and topic in messages. Throws DataError when
 /// the magnitude fits no unit, or not the declared one.
-ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where);
+ImuUnits judge_imu_units(std::span<const ImuSample> samples, const SensorConfig& sensor, const std::string& where);
 
 /// The angular rates of a whole recording, as sent. Its beginning is often a standstill, which tells no unit.
 class GyroRange {

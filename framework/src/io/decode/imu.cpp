@@ -90,6 +90,25 @@ void judge_gyro(std::span<const ImuSample> samples, GyroUnit declared, const std
                                        fastest, in_degrees ? ", multiplied by pi/180" : ""));
 }
 
+/// eq. MOT-11.
+void take_calibration(const SensorConfig& sensor, ImuUnits& units) {
+  if (!sensor.gyro_sensitivity.isZero(0)) {
+    units.without_sensitivity = (Mat3::Identity() + sensor.gyro_sensitivity).inverse();
+    Mat3 cross = sensor.gyro_sensitivity;
+    cross.diagonal().setZero();
+    units.verdicts.push_back(
+        fmt::format("imu angular rate: without the gyro_sensitivity of the sensor file (scale up to {:.2f} %, "
+                    "cross-axis up to {:.2f} %)",
+                    100 * sensor.gyro_sensitivity.diagonal().cwiseAbs().maxCoeff(), 100 * cross.cwiseAbs().maxCoeff()));
+  }
+  units.delay = to_ns(sensor.imu_delay);
+  if (units.delay != 0) {
+    units.verdicts.push_back(fmt::format("imu stamps: {:.3f} ms {} than sent, by the imu_delay of the sensor file",
+                                         1e3 * std::abs(to_seconds(units.delay)),
+                                         units.delay > 0 ? "earlier" : "later"));
+  }
+}
+
 }  // namespace
 
 std::optional<TimeNs> header_stamp(Bytes message) {
@@ -151,37 +170,13 @@ std::string GyroRange::doubt(GyroUnit declared) const {
       fastest, fastest / kRadPerDeg);
 }
 
-ImuUnits judge_imu_units(std::span<const ImuSample> samples, AccUnit acc, GyroUnit gyro, const std::string& where) {
+ImuUnits judge_imu_units(std::span<const ImuSample> samples, const SensorConfig& sensor, const std::string& where) {
   if (samples.empty()) throw DataError(fmt::format("{}: there is no IMU sample", where));
   ImuUnits units;
-  judge_acc(median_norm(samples), acc, where, units);
-  judge_gyro(samples, gyro, where, units);
+  judge_acc(median_norm(samples), sensor.acc_unit, where, units);
+  judge_gyro(samples, sensor.gyro_unit, where, units);
+  take_calibration(sensor, units);
   return units;
-}
-
-ImuReading::ImuReading(const ImuUnits& units, const SensorConfig& sensor)
-    : acc_(units.acc), gyro_(units.gyro), delay_(to_ns(sensor.imu_delay)) {
-  if (sensor.gyro_sensitivity.isZero(0)) return;  // nothing is multiplied: the samples stay as they are, to the bit
-  sensitivity_ = sensor.gyro_sensitivity;
-  without_sensitivity_ = (Mat3::Identity() + *sensitivity_).inverse();
-}
-
-std::vector<std::string> ImuReading::verdicts() const {
-  std::vector<std::string> out;
-  if (sensitivity_) {
-    const double scale = sensitivity_->diagonal().cwiseAbs().maxCoeff();
-    Mat3 cross = *sensitivity_;
-    cross.diagonal().setZero();
-    out.push_back(
-        fmt::format("imu angular rate: without the gyro_sensitivity of the sensor file (scale up to {:.2f} %, "
-                    "cross-axis up to {:.2f} %)",
-                    100 * scale, 100 * cross.cwiseAbs().maxCoeff()));
-  }
-  if (delay_ != 0) {
-    out.push_back(fmt::format("imu stamps: {:.3f} ms {} than sent, by the imu_delay of the sensor file",
-                              1e3 * std::abs(to_seconds(delay_)), delay_ > 0 ? "earlier" : "later"));
-  }
-  return out;
 }
 
 }  // namespace aslio::io::decode
