@@ -6,16 +6,9 @@
 #include <vector>
 
 #include "aslio/experiment/run.hpp"
+#include "cost_counts.hpp"
 
 namespace aslio::test {
-
-/// Where the figures of cost mean something: sanitizers, assertions and missing optimisation multiply them.
-#if defined(__OPTIMIZE__) && defined(NDEBUG) && !defined(_GLIBCXX_ASSERTIONS) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-inline constexpr bool kCostCounts = true;
-#else
-inline constexpr bool kCostCounts = false;
-#endif
 
 /// CPU time of an update, from timings.csv [s].
 struct UpdateCost {

