@@ -61,8 +61,8 @@ TEST_CASE("a comparison tells ratio, interval, effect and corrected p over all p
   CHECK(*other.p_holm == Approx(4 / 256.0));
   CHECK(*third.effect == 1);
   CHECK(third.pairs.lost == 8);
-  CHECK_THAT(results_markdown(f.study, f.runs, f.rows),
-             Contains("| other | fixed | 2 / 0 / 0 | 8 / 0 / 0 | 0.675 (") && Contains(" | -1.00 | 0.008 | 0.016 |"));
+  CHECK_THAT(results_markdown(f.study, f.runs, f.rows), Contains("| other | fixed | 2 / 0 / 0 | 8 / 0 / 0 | 0.675 (") &&
+                                                            Contains(" | -1.00 | 0.008 | 0.016 | - |"));
 }
 
 TEST_CASE("a failure counts against its method with the largest difference there is") {
@@ -101,14 +101,38 @@ TEST_CASE("statistics.csv has a line per sequence and method, and per comparison
   CHECK_FALSE(of("low")[6].empty());
   CHECK(of("p")[6] == "0.0078125");
   const std::string text = content(f.files.folder / "statistics.csv");
-  CHECK_THAT(text, Contains(",-1,0.0078125,0.015625\n"));
+  CHECK_THAT(text, Contains(",-1,0.0078125,0.015625,\n"));
   // As many cells in every line.
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     INFO(line);
-    CHECK(std::count(line.begin(), line.end(), ',') == 20);
+    CHECK(std::count(line.begin(), line.end(), ',') == 21);
   }
   CHECK(of("pairs_lost")[7] == "8");
+}
+
+TEST_CASE("sequences are compared over the recordings that both have, and have a test of their own") {
+  Fixture f;
+  // Of other, which is lower everywhere, the baseline has one recording of b left: other's own others are worse.
+  for (std::size_t i = 15; i < f.rows.size(); i += 3) {
+    f.rows[i].reset();
+    f.rows[i + 1] = row(90);
+  }
+  CHECK(f.compared(0).sequences.won == 2);
+  CHECK_FALSE(f.compared(0).p_sequences.has_value());
+  // Six sequences of three seeds each: the pairs look like eighteen, and only six worlds were seen.
+  const StudyFiles files;
+  std::string datasets = "datasets:\n";
+  for (int s = 0; s < 6; ++s) datasets += "  - {scene: scene_a.yaml, seeds: 1-3, name: w" + std::to_string(s) + "}\n";
+  const Study study =
+      files.load(head() + datasets + "methods:\n" + method("fixed", "fixed_window") +
+                 method("other", "as_lio", "differs: [window, history]") + "baseline: fixed\nmetrics: [ate_m]\n");
+  const auto runs = plan_runs(study, "program");
+  Rows rows;
+  for (int k = 0; k < 18; ++k) rows.insert(rows.end(), {row(1), row(k / 3 == 5 ? 1.1 : 0.5 + 0.01 * k)});
+  const Comparison c = StudyFigures(study, runs, rows).comparisons("ate_m").at(0);
+  CHECK(*c.p < 0.01);
+  CHECK(*c.p_sequences == 4 / 64.0);  // one of six has the smallest rank and the other sign
 }
 
 TEST_CASE("order seeds are no further pairs: the median over them stands for the recording") {

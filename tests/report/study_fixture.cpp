@@ -127,8 +127,8 @@ void write_study(const fs::path& folder) {
   write_run(folder / "runs/loop_2" / bad, kLoop, 10, 2, "  type: fixed\n  period: 0.1\n");
   write_text(folder / "results.csv", csv);
   write_text(folder / "statistics.csv",
-             "metric,sequence,method,baseline,low,high,effect,p,p_holm\nate_m,loop,as_lio,,0.02,0.03,,,\n"
-             "ate_m,,as_lio,fixed_10,0.4,inf,-0.5,0.0004,0.125\n");
+             "metric,sequence,method,baseline,low,high,effect,p,p_holm,p_sequences\nate_m,loop,as_lio,,0.02,0.03,,,,\n"
+             "ate_m,,as_lio,fixed_10,0.4,inf,-0.5,0.0004,0.125,0.25\n");
 }
 
 void write_long_study(const fs::path& folder) {

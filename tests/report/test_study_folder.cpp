@@ -229,16 +229,42 @@ TEST_CASE("order seeds and two failures count as in table.md") {
   CHECK((cell.min == Approx(0.1) && cell.max == Approx(0.1)));
 }
 
+TEST_CASE("a cell without a figure has no range, and sequences are compared over the recordings that both have") {
+  const TemporaryFolder folder;
+  std::string csv = "data,sequence,seed,order_seed,method,status,reason,ate_m\n";
+  // One recording, two of its three order seeds failed.
+  for (const char* line : {"0,b,ok,,0.1", "1,b,failed,,", "2,b,failed,,", "0,a,ok,,0.2"}) {
+    csv += std::string("loop_1,loop,1,") + line + "\n";
+  }
+  // b is lower on the one both have; over all of its own, of other seeds, it is higher.
+  for (const char* line : {"1,0,a,ok,,0.2", "1,0,b,ok,,0.1", "2,0,b,ok,,0.9", "3,0,b,ok,,0.9"}) {
+    csv += std::string("turn_") + line[0] + ",turn," + line + "\n";
+  }
+  write_text(folder.path() / "results.csv", csv);
+  write_text(folder.path() / "table.md", "# s\n\n## ate_m\n\n| method | baseline |\n|---|---|\n| b | a |\n");
+  const StudyFolder study = read_study_folder(folder.path());
+  const MetricTable ate = make_tables(study, {"ate_m"}).at(0);
+  const std::size_t b = study.methods.at(0) == "b" ? 0 : 1;
+  const Cell& failed = ate.lines.at(0).cells.at(b);
+  CHECK((failed.mark == Mark::failed && failed.recordings == 1 && failed.with_figure == 0));
+  CHECK_THAT(to_markdown(study), Contains("x 2x"));
+  CHECK_THAT(to_markdown(study), !Contains("0.00"));
+  // Of loop both have the order seed 0.
+  CHECK((ate.comparisons.at(0).sequences.won == 2 && ate.comparisons.at(0).sequences.lost == 0));
+}
+
 TEST_CASE("comparisons carry the statistics of the study") {
   const Fixture fixture;
   const auto tables = make_tables(fixture.study(), {"ate_m", "ate_deg"});
   const auto& more = tables[0].comparisons[0].more;
-  REQUIRE(more.size() == 4);
+  REQUIRE(more.size() == 5);
   CHECK((more[0].name == "95 % of ratio" && more[0].text == "0.4 to x"));
   CHECK((more[1].text == "-0.50" && more[2].text == "< 0.001" && more[3].text == "0.125"));
+  CHECK((more[4].name == "p (sequences)" && more[4].text == "0.250"));
   CHECK(tables[1].comparisons[0].more.empty());
-  CHECK_THAT(to_markdown(fixture.study()),
-             Contains("| as_lio | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 | 1.08 | 0.4 to x | -0.50 | &lt; 0.001 | 0.125 |"));
+  CHECK_THAT(
+      to_markdown(fixture.study()),
+      Contains("| as_lio | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 | 1.08 | 0.4 to x | -0.50 | &lt; 0.001 | 0.125 | 0.250 |"));
   CHECK(fixture.study().identical == std::vector<std::string>{"a and b do not differ"});
 }
 

@@ -87,11 +87,13 @@ class Report:
         return not missing
 
     def medians_below(self, method, other, metric="ate_m", factor=1.0, sequences=None):
-        """Won, lost and tied sequences: median of the method against `factor` times that of the other."""
+        """Won, lost and tied sequences: median of the method against `factor` times that of the other, over the recordings
+        that both have (others alone could turn it)."""
         found = []
         for sequence in sequences or self.study.sequences:
-            a, b = self.median(method, sequence, metric), self.median(other, sequence, metric)
-            if a is not None and b is not None:
+            both = self.study.pairs(method, other, metric, sequence)
+            if both:
+                a, b = (pairs.median([pair[side] for pair in both]) for side in (0, 1))
                 found.append((a, factor * b))
         return Tally.of(found)
 

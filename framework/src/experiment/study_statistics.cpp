@@ -120,13 +120,14 @@ Comparison StudyFigures::compare(std::size_t method, std::size_t baseline, const
   out.method = method;
   out.baseline = baseline;
   std::vector<std::vector<double>> ratios(sequences_.size());
-  std::vector<double> all, logarithms;
+  std::vector<double> all, logarithms, of_sequences;
   for (std::size_t s = 0; s < sequences_.size(); ++s) {
-    const auto a = replicates(s, method, metric).median(), b = replicates(s, baseline, metric).median();
-    if (a && b) out.sequences.count(*a, *b);
+    std::vector<double> values, others;
     for (const std::size_t data : data_of_[s]) {
       const Pair both = pair(data, method, baseline, metric);
       if (!both.value) continue;
+      values.push_back(*both.value);
+      others.push_back(*both.baseline);
       out.pairs.count(*both.value, *both.baseline);
       out.failed += *both.value == kFailedFigure ? 1 : 0;
       out.baseline_failed += *both.baseline == kFailedFigure ? 1 : 0;
@@ -134,12 +135,16 @@ Comparison StudyFigures::compare(std::size_t method, std::size_t baseline, const
       all.push_back(ratios[s].back());
       logarithms.push_back(std::log(all.back()));
     }
+    if (values.empty()) continue;
+    out.sequences.count(*statistics::median(values), *statistics::median(others));
+    of_sequences.push_back(std::log(*statistics::median(ratios[s])));
   }
   out.ratio = statistics::median(all);
   out.interval = statistics::bootstrap_median_clustered(ratios);
   const statistics::SignedRank test = statistics::signed_rank(logarithms);
   out.effect = test.effect;
   out.p = test.p;
+  out.p_sequences = statistics::signed_rank(of_sequences).p;
   return out;
 }
 
@@ -160,7 +165,7 @@ std::vector<Comparison> StudyFigures::comparisons(const std::string& metric) con
 std::string statistics_csv(const Study& study, const StudyFigures& figures) {
   std::string text =
       "metric,sequence,method,baseline,runs,failed,median,quartile_1,quartile_3,low,high,baseline_failed,pairs_won,"
-      "pairs_lost,pairs_tied,sequences_won,sequences_lost,sequences_tied,effect,p,p_holm\n";
+      "pairs_lost,pairs_tied,sequences_won,sequences_lost,sequences_tied,effect,p,p_holm,p_sequences\n";
   const auto out = std::back_inserter(text);
   for (const std::string& metric : study.config.metrics) {
     for (std::size_t s = 0; s < figures.sequences().size(); ++s) {
@@ -168,7 +173,7 @@ std::string statistics_csv(const Study& study, const StudyFigures& figures) {
         const Replicates r = figures.replicates(s, m, metric);
         if (r.values.empty()) continue;
         const auto interval = statistics::bootstrap_median(r.values);
-        fmt::format_to(out, "{},{},{},,{},{},{},{},{},{},{},,,,,,,,,,\n", metric, figures.sequences()[s],
+        fmt::format_to(out, "{},{},{},,{},{},{},{},{},{},{},,,,,,,,,,,\n", metric, figures.sequences()[s],
                        study.methods[m].name, r.runs, r.failed, value_text(r.median()),
                        value_text(statistics::quantile_of_sorted(r.values, 0.25)),
                        value_text(statistics::quantile_of_sorted(r.values, 0.75)),
@@ -177,11 +182,11 @@ std::string statistics_csv(const Study& study, const StudyFigures& figures) {
     }
     for (const Comparison& c : figures.comparisons(metric)) {
       fmt::format_to(
-          out, "{},,{},{},{},{},{},,,{},{},{},{},{},{},{},{},{},{},{},{}\n", metric, study.methods[c.method].name,
+          out, "{},,{},{},{},{},{},,,{},{},{},{},{},{},{},{},{},{},{},{},{}\n", metric, study.methods[c.method].name,
           study.methods[c.baseline].name, c.pairs.won + c.pairs.lost + c.pairs.tied, c.failed, value_text(c.ratio),
           c.interval ? fmt::to_string(c.interval->low) : "", c.interval ? fmt::to_string(c.interval->high) : "",
           c.baseline_failed, c.pairs.won, c.pairs.lost, c.pairs.tied, c.sequences.won, c.sequences.lost,
-          c.sequences.tied, value_text(c.effect), value_text(c.p), value_text(c.p_holm));
+          c.sequences.tied, value_text(c.effect), value_text(c.p), value_text(c.p_holm), value_text(c.p_sequences));
     }
   }
   return text;

@@ -29,9 +29,10 @@ constexpr std::size_t kFrameBytes = 4'000;  // of the page, around style, script
 
 Json cell_json(const Cell& cell) {
   constexpr std::array<const char*, 4> kMarks = {"value", "diverged", "failed", "absent"};
-  Json json = {{"mark", kMarks[static_cast<std::size_t>(cell.mark)]}, {"runs", cell.runs}};
+  Json json = {
+      {"mark", kMarks[static_cast<std::size_t>(cell.mark)]}, {"runs", cell.runs}, {"recordings", cell.recordings}};
   if (cell.mark == Mark::value) json["median"] = cell.median;
-  if (cell.runs > cell.failed + cell.diverged) json["range"] = {cell.min, cell.max};
+  if (cell.with_figure > 0) json["range"] = {cell.min, cell.max};
   if (cell.failed > 0) json["failed"] = cell.failed;
   if (cell.diverged > 0) json["diverged"] = cell.diverged;
   if (cell.rank != Rank::none) json["rank"] = cell.rank == Rank::best ? 1 : 2;

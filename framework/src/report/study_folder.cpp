@@ -185,7 +185,8 @@ void read_statistics(StudyFolder& study) {
                                 .high = value("high"),
                                 .effect = value("effect"),
                                 .p = value("p"),
-                                .p_holm = value("p_holm")});
+                                .p_holm = value("p_holm"),
+                                .p_sequences = value("p_sequences")});
   }
 }
 

@@ -78,6 +78,8 @@ Cell cell_of(const StudyFolder& study, const std::string& sequence, const std::s
   std::sort(values.begin(), values.end());
   const double median = median_of(values);
   const auto good = static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), kFailed) - values.begin());
+  cell.recordings = values.size();
+  cell.with_figure = good;
   if (good > 0) {
     cell.min = values[0];
     cell.max = values[good - 1];
@@ -111,12 +113,12 @@ void count(Tally& tally, double value, double baseline) {
   ++(value < baseline ? tally.won : value > baseline ? tally.lost : tally.tied);
 }
 
-/// Two methods on the same recordings, by the medians over the order seeds that both have.
-std::vector<std::pair<double, double>> pairs_of(const StudyFolder& study, std::size_t method, std::size_t other,
-                                                std::size_t figure) {
+/// Two methods on the same recordings of a sequence, by the medians over the order seeds that both have.
+std::vector<std::pair<double, double>> pairs_of(const StudyFolder& study, const std::string& sequence,
+                                                std::size_t method, std::size_t other, std::size_t figure) {
   std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> orders;  // by recording
   for (const FolderRun& a : study.runs) {
-    if (a.method != study.methods[method]) continue;
+    if (a.method != study.methods[method] || a.sequence != sequence) continue;
     for (const FolderRun& b : study.runs) {
       if (b.method != study.methods[other] || b.data != a.data || b.order_seed != a.order_seed) continue;
       const auto x = value_of(study, a, figure), y = value_of(study, b, figure);
@@ -152,19 +154,26 @@ std::vector<Statistic> statistics_of(const StudyFolder& study, const std::string
   return {{"95 % of ratio", at->low && at->high ? fmt::format("{} to {}", ratio(*at->low), ratio(*at->high)) : ""},
           {"effect", at->effect ? fmt::format("{:+.2f}", *at->effect) : ""},
           {"p", p(at->p)},
-          {"p (Holm)", p(at->p_holm)}};
+          {"p (Holm)", p(at->p_holm)},
+          {"p (sequences)", p(at->p_sequences)}};
 }
 
-Comparison compare(const StudyFolder& study, const MetricTable& table, std::size_t method, std::size_t figure) {
+Comparison compare(const StudyFolder& study, std::size_t method, std::size_t figure) {
   Comparison out{
       .method = method, .baseline = *study.baseline[method], .sequences = {}, .pairs = {}, .ratio = {}, .more = {}};
-  for (const Line& line : table.lines) {
-    const Cell &a = line.cells[method], &b = line.cells[out.baseline];
-    if (a.mark == Mark::absent || b.mark == Mark::absent) continue;
-    count(out.sequences, a.mark == Mark::value ? a.median : kFailed, b.mark == Mark::value ? b.median : kFailed);
+  std::vector<std::pair<double, double>> pairs;
+  for (const std::string& sequence : study.sequences) {
+    const auto here = pairs_of(study, sequence, method, out.baseline, figure);
+    if (here.empty()) continue;
+    std::vector<double> values, others;
+    for (const auto& [a, b] : here) {
+      count(out.pairs, a, b);
+      values.push_back(a);
+      others.push_back(b);
+    }
+    count(out.sequences, median_of(std::move(values)), median_of(std::move(others)));
+    pairs.insert(pairs.end(), here.begin(), here.end());
   }
-  const auto pairs = pairs_of(study, method, out.baseline, figure);
-  for (const auto& [a, b] : pairs) count(out.pairs, a, b);
   out.ratio = ratio_of(pairs);
   return out;
 }
@@ -213,7 +222,7 @@ std::vector<MetricTable> make_tables(const StudyFolder& study, const std::vector
       for (Line& line : table.lines) rank(line);
       for (std::size_t m = 0; m < study.methods.size(); ++m) {
         if (!study.baseline[m]) continue;
-        table.comparisons.push_back(compare(study, table, m, *figure));
+        table.comparisons.push_back(compare(study, m, *figure));
         table.comparisons.back().more = statistics_of(study, name, study.methods[m]);
       }
     }

@@ -25,7 +25,7 @@ constexpr Markup kLatex = {&latex_escaped, "\\textbf{", "}",  "\\underline{", "}
 
 bool partly_failed(const Cell& cell) { return cell.failed + cell.diverged > 0 && cell.runs > 1; }
 
-/// "1.2 (1.0-1.5) 1x 2-": median, range of the good runs, how many failed and diverged.
+/// "1.2 (1.0-1.5) 1x 2-": median, range of the recordings with a figure, how many runs failed and diverged.
 std::string cell_text(const Metric& metric, const Cell& cell, const Markup& markup) {
   std::string text;
   const auto out = std::back_inserter(text);
@@ -50,8 +50,7 @@ std::string cell_text(const Metric& metric, const Cell& cell, const Markup& mark
                               : "");
     }
   }
-  const std::size_t good = cell.runs - cell.failed - cell.diverged;
-  if (good > 0 && cell.runs > 1) {
+  if (cell.with_figure > 0 && cell.recordings > 1) {
     fmt::format_to(out, "{}{}{}{}{}", markup.range_begin, number(metric, cell.min), markup.range_dash,
                    number(metric, cell.max), markup.range_end);
   }

@@ -32,15 +32,18 @@ Ranks ranks_of(const std::vector<double>& differences) {
   return ranks;
 }
 
-/// Probability of a rank sum as far from the middle as this, among all 2^n signs.
-double exact_p(double rank_sum, std::size_t n) {
-  // ways[s]: subsets of the ranks 1..n with sum s.
-  std::vector<double> ways(n * (n + 1) / 2 + 1, 0.0);
+/// Probability of a rank sum as far from the middle as this, among all 2^n signs of these ranks.
+double exact_p(double rank_sum, const std::vector<double>& ranks) {
+  const std::size_t n = ranks.size();
+  // Twice the ranks are whole numbers, ties among them. ways[s]: subsets with sum s.
+  std::vector<double> ways(n * (n + 1) + 1, 0.0);
   ways[0] = 1;
-  for (std::size_t rank = 1; rank <= n; ++rank) {
-    for (std::size_t s = ways.size(); s-- > rank;) ways[s] += ways[s - rank];
+  for (const double rank : ranks) {
+    const auto step = static_cast<std::size_t>(2 * rank);
+    for (std::size_t s = ways.size(); s-- > step;) ways[s] += ways[s - step];
   }
-  const auto smaller = static_cast<std::size_t>(std::min(rank_sum, static_cast<double>(ways.size() - 1) - rank_sum));
+  const double sum = 2 * rank_sum;
+  const auto smaller = static_cast<std::size_t>(std::min(sum, static_cast<double>(ways.size() - 1) - sum));
   const double below = std::accumulate(ways.begin(), ways.begin() + static_cast<std::ptrdiff_t>(smaller) + 1, 0.0);
   return std::min(1.0, 2 * below * std::ldexp(1.0, -static_cast<int>(n)));
 }
@@ -72,11 +75,11 @@ SignedRank signed_rank(std::span<const double> differences) {
   if (all > 0) out.effect = (out.rank_sum_positive - out.rank_sum_negative) / all;
   if (differences.size() < kLeastPairs) return out;
   const std::size_t n = counted.size();
-  out.exact = out.zero == 0 && ranks.ties == 0 && n <= kMostExact;
+  out.exact = n <= kMostExact;
   if (n == 0) {
     out.p = 1;
   } else if (out.exact) {
-    out.p = exact_p(out.rank_sum_positive, n);
+    out.p = exact_p(out.rank_sum_positive, ranks.of);
   } else {
     out.p = normal_p(out.rank_sum_positive, static_cast<double>(n), ranks.ties);
   }

@@ -24,7 +24,7 @@ function cellText(table, cell) {
   const failures = cell.runs > 1 && [cell.failed && `${cell.failed}x`, cell.diverged && `${cell.diverged}-`].filter(Boolean).join(' ');
   return [
     h('span', {class: `value rank${cell.rank ?? 0}`}, mark ? mark[0] : shown(table, cell.median)),
-    cell.range && cell.runs > 1 && h('span', {class: 'spread'}, `${shown(table, cell.range[0])}\u2013${shown(table, cell.range[1])}`),
+    cell.range && cell.recordings > 1 && h('span', {class: 'spread'}, `${shown(table, cell.range[0])}\u2013${shown(table, cell.range[1])}`),
     failures && h('span', {class: 'failures', title: `${cell.failed ?? 0} failed, ${cell.diverged ?? 0} diverged of ${cell.runs}`}, failures),
   ];
 }

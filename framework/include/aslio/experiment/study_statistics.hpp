@@ -43,8 +43,8 @@ struct Pair {
   std::size_t seeds = 0;                  ///< order seeds
 };
 
-/// A method against its baseline in one metric: over sequences by their medians, and over pairs. Two failures are a
-/// tie.
+/// A method against its baseline in one metric: over sequences by their medians over the recordings that both have, and
+/// over pairs. Two failures are a tie.
 struct Comparison {
   std::size_t method = 0, baseline = 0;
   Tally sequences, pairs;
@@ -53,7 +53,9 @@ struct Comparison {
   std::optional<statistics::Interval> interval;  ///< of the ratio, 95 %, bootstrap clustered by sequence
   /// Rank-biserial correlation of the logarithms of the ratios; -1: below the baseline in all pairs.
   std::optional<double> effect;
-  std::optional<double> p;       ///< Wilcoxon's signed-rank test of those logarithms
+  std::optional<double> p;  ///< Wilcoxon's signed-rank test of those logarithms, pairs taken as independent
+  /// The same test of one logarithm per sequence, that of its median ratio: seeds of one scene may share its world.
+  std::optional<double> p_sequences;
   std::optional<double> p_holm;  ///< corrected for all comparisons of this metric
 };
 

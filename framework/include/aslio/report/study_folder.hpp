@@ -26,9 +26,10 @@ struct FolderRun {
 /// How sure the comparison of a method with its baseline is, as `aslio experiment` has worked it out.
 struct FolderStatistic {
   std::string metric, method;
-  std::optional<double> low, high;  ///< 95 % interval of the median ratio; infinite where it is a failure
-  std::optional<double> effect;     ///< rank-biserial correlation, -1: below the baseline throughout
-  std::optional<double> p, p_holm;  ///< Wilcoxon's signed-rank test, alone and corrected
+  std::optional<double> low, high;    ///< 95 % interval of the median ratio; infinite where it is a failure
+  std::optional<double> effect;       ///< rank-biserial correlation, -1: below the baseline throughout
+  std::optional<double> p, p_holm;    ///< Wilcoxon's signed-rank test, alone and corrected
+  std::optional<double> p_sequences;  ///< of the sequences' median ratios
 };
 
 struct StudyFolder {

@@ -29,9 +29,12 @@ enum class Rank : unsigned char { none, best, second };
 /// never left out. Values are unscaled.
 struct Cell {
   Mark mark = Mark::absent;
-  double median = 0, min = 0, max = 0;  ///< of the good runs; median only with Mark::value
-  std::size_t runs = 0;                 ///< with a figure, or failed
-  std::size_t failed = 0;               ///< of them, those that neither ended well nor diverged
+  double median = 0;            ///< of the recordings; only with Mark::value
+  double min = 0, max = 0;      ///< of the recordings with a figure; 0 where there is none
+  std::size_t recordings = 0;   ///< each the median over its order seeds
+  std::size_t with_figure = 0;  ///< of them, those whose median is no failure
+  std::size_t runs = 0;         ///< with a figure, or failed
+  std::size_t failed = 0;       ///< of them, those that neither ended well nor diverged
   std::size_t diverged = 0;
   Rank rank = Rank::none;  ///< in its line
 };
@@ -53,7 +56,7 @@ struct Statistic {
 /// A method against its baseline; smaller wins, a failure loses against any figure.
 struct Comparison {
   std::size_t method = 0, baseline = 0;
-  Tally sequences;              ///< by medians
+  Tally sequences;              ///< by medians over the recordings that both have
   Tally pairs;                  ///< runs over the same data
   std::optional<double> ratio;  ///< median of the ratios of pairs; infinite when it is a failure
   std::vector<Statistic> more;

@@ -10,7 +10,8 @@ namespace aslio::statistics {
 
 /// A p-value of fewer pairs could not fall below 0.05: there is none.
 inline constexpr std::size_t kLeastPairs = 6;
-/// Up to so many differences without ties or zeros the distribution is enumerated; beyond, the normal approximation.
+/// Up to so many differences that are not zero the distribution is enumerated over their ranks; beyond, the normal
+/// approximation.
 inline constexpr std::size_t kMostExact = 25;
 
 struct SignedRank {
@@ -25,8 +26,9 @@ struct SignedRank {
 };
 
 /// Zeros are left out of the ranks (Wilcoxon's way), ties share their mean rank. Infinite differences have the largest
-/// rank. The approximation corrects for ties and continuity. Wilcoxon, Biometrics Bulletin 1 (1945); figures as
-/// scipy.stats.wilcoxon has them. Pre: no NaN.
+/// rank. The approximation corrects for ties and continuity; with few ties it would fall below what any signs can
+/// attain. Wilcoxon, Biometrics Bulletin 1 (1945); figures as scipy.stats.wilcoxon has them, which for few ties and
+/// zeros has the approximation alone. Pre: no NaN.
 SignedRank signed_rank(std::span<const double> differences);
 
 /// Holm's step-down correction, Scand. J. Stat. 6 (1979): in the order given, at most 1. What has no p-value has none
