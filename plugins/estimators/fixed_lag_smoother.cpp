@@ -35,11 +35,19 @@ FixedLagSmoother::FixedLagSmoother(const Params& params, const BuildContext& con
       motion_(params.motion.make(context)),
       front_(params.front.make(context)),
       window_(params.window) {
-  if (front_->uses_imu()) return;
-  throw ConfigError(fmt::format(
-      "estimator fixed_lag_smoother: front: '{}' takes no IMU data, whose prediction it is to start from: set "
-      "prediction: imu, or another front",
-      params.front.type()));
+  const std::string& front = params.front.type();
+  if (!front_->uses_imu()) {
+    throw ConfigError(fmt::format(
+        "estimator fixed_lag_smoother: front: '{}' takes no IMU data, whose prediction it is to start from: set "
+        "prediction: imu, or another front",
+        front));
+  }
+  if (front == "smoother" || front == "fixed_lag_smoother") {
+    throw ConfigError(fmt::format(
+        "estimator fixed_lag_smoother: front: '{}' begins its smoothing anew with the velocity and the biases that it "
+        "is told after every update, so that it never smooths: set another front, or make it the estimator itself",
+        front));
+  }
 }
 
 void FixedLagSmoother::reset(const InitialState& initial) {
@@ -101,7 +109,9 @@ const Update& FixedLagSmoother::update(const Window& window, const HistorySelect
   const Update& found = front_->update(window, past, context);
   result_ = found;
   state_ = found.state;
-  const Preintegration motion(window.imu, window_.newest().b_w, window_.newest().b_a, params_.window.noise);
+  NavState reading = state_;  // with the calibration that the front has found by now
+  InertialEstimate::of(window_.newest()).put(reading);
+  const Preintegration motion(window.imu, reading, params_.window.noise.over(window.imu_gap));
   if (found.restart_map) {
     window_.clear();  // the front searches its velocity (INI-3): what was found so far was as wrong as that
   } else if (motion.seconds > 0) {

@@ -21,7 +21,7 @@ class FixedLagSmoother final : public Estimator {
     config::Nested<Estimator> front{"scan_matcher"};
   };
   static void describe(config::Binder& b, Params& p);
-  /// Throws ConfigError when the front takes no IMU data.
+  /// Throws ConfigError when the front takes no IMU data, or smooths by itself.
   FixedLagSmoother(const Params& params, const BuildContext& context);
 
   MapContent map_content() const override { return front_->map_content(); }

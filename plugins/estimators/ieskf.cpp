@@ -476,6 +476,9 @@ void Ieskf::finish(bool predicted) {
   } else {
     records_.assign(fresh_.body.size(), MatchRecord{});
   }
+  if (result_.accepted && params_.deskew_correction != DeskewCorrection::state) {
+    trajectory_.correct_states(states_, state_);
+  }
   states_.back() = state_;
   result_.state = state_;
   result_.P = P_;

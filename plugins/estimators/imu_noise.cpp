@@ -5,25 +5,24 @@
 
 namespace aslio::plugins {
 
-namespace {
-
-/// eq. MOT-9: what somebody who walks and turns does while nobody reads it, in `gap` and in dt of it [s].
-void add_unread(double gap, double dt, ImuNoise& noise) {
+UnreadMotion::UnreadMotion(TimeNs gap) {
   constexpr double longest = 0.4;              // [s]
   constexpr double jerk = 12.5, swerve = 5.0;  // [m/s^3], [rad/s^2]: what a line between two readings is off per time
-  const double unread = std::min(gap, longest);
-  noise.gyro += std::pow(swerve * unread, 2) * unread / dt;
-  noise.acc += std::pow(jerk * unread, 2) * unread / dt;
+  const double unread = std::min(to_seconds(gap), longest);
+  gyro = std::pow(swerve * unread, 2) * unread;
+  acc = std::pow(jerk * unread, 2) * unread;
 }
-
-}  // namespace
 
 ImuNoise ImuNoisePreset::over(const ImuSample& from, const ImuSample& to, const SensorModel& sensor, const Vec3& b_w,
                               const Circumstances& how) const {
   if (kind == Kind::fastlio) return {0.1, 0.1, 1e-4, 1e-4};  // as published, gaps or not
   const double dt = std::max(to_seconds(to.t - from.t), 1e-6);
   ImuNoise noise = of_readings(from, to, sensor, b_w, how.degenerate);
-  if (how.imu_gap > 0) add_unread(to_seconds(how.imu_gap), dt, noise);
+  if (how.imu_gap > 0) {
+    const UnreadMotion unread(how.imu_gap);
+    noise.gyro += unread.gyro / dt;
+    noise.acc += unread.acc / dt;
+  }
   return noise;
 }
 

@@ -5,6 +5,15 @@
 
 namespace aslio::plugins {
 
+/// What somebody who walks and turns does while nobody reads the IMU, as squared densities of its noise. eq. MOT-9.
+struct UnreadMotion {
+  /// `gap`: Window::imu_gap [ns].
+  explicit UnreadMotion(TimeNs gap);
+
+  double gyro;  ///< [(rad/s)^2 / Hz]
+  double acc;   ///< [(m/s^2)^2 / Hz]
+};
+
 /// What the prediction of a filter is held to be worth.
 struct ImuNoisePreset {
   enum class Kind : std::uint8_t {

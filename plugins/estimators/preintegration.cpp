@@ -1,18 +1,35 @@
 #include "estimators/preintegration.hpp"
 
+#include <cmath>
+
+#include "estimators/imu_noise.hpp"
+
 namespace aslio::plugins {
 
-Preintegration::Preintegration(std::span<const ImuSample> samples, const Vec3& gyro_bias, const Vec3& acc_bias,
-                               const InertialNoise& noise)
-    : b_w(gyro_bias), b_a(acc_bias) {
-  for (std::size_t i = 1; i < samples.size(); ++i) step(samples[i - 1], samples[i], noise);
+InertialNoise InertialNoise::over(TimeNs imu_gap) const {
+  if (imu_gap <= 0) return *this;
+  const UnreadMotion unread(imu_gap);
+  InertialNoise out = *this;
+  out.gyro = std::sqrt(gyro * gyro + unread.gyro);
+  out.acc = std::sqrt(acc * acc + unread.acc);
+  return out;
 }
 
-void Preintegration::step(const ImuSample& from, const ImuSample& to, const InertialNoise& noise) {
+Preintegration::Preintegration(std::span<const ImuSample> samples, const NavState& known, const InertialNoise& noise)
+    : b_w(known.b_w), b_a(known.b_a) {
+  for (std::size_t i = 1; i < samples.size(); ++i) step(samples[i - 1], samples[i], known, noise);
+}
+
+void Preintegration::step(const ImuSample& from, const ImuSample& to, const NavState& known,
+                          const InertialNoise& noise) {
   const double dt = to_seconds(to.t - from.t);
   if (dt <= 0) return;
-  const Vec3 phi = dt * (0.5 * (from.gyro + to.gyro) - b_w), half = 0.5 * phi;
-  const Vec3 a = 0.5 * (from.acc + to.acc) - b_a;
+  // eq. MOT-6, as the motions have it: sensitivity and delay are taken out, too, or they would come back as a bias.
+  const Vec3 w_measured = 0.5 * (from.gyro + to.gyro);
+  const Vec3 w_change = (to.gyro - from.gyro) / dt, a_change = (to.acc - from.acc) / dt;
+  const Vec3 w = w_measured - b_w - known.S_w * w_measured + known.imu_delay * w_change;
+  const Vec3 a = 0.5 * (from.acc + to.acc) - b_a + known.imu_delay * a_change;
+  const Vec3 phi = dt * w, half = 0.5 * phi;
   const Mat3 half_turn = exp_so3(half), J = dt * right_jacobian_so3(phi);
   const Vec3 force = half_turn * a;  // in the axes of the begin of the step
 

@@ -14,6 +14,9 @@ struct InertialNoise {
   double gyro_bias = 3.6e-5;  ///< [rad/s^2/sqrt(Hz)]
   double acc_bias = 6.4e-5;   ///< [m/s^3/sqrt(Hz)]
   double integration = 1e-4;  ///< of the position [m/sqrt(s)]
+
+  /// Over a window that reaches into a gap of the IMU [ns] (Window::imu_gap; 0: none). eq. MOT-9.
+  InertialNoise over(TimeNs imu_gap) const;
 };
 
 /// R_j = R_i dR, v_j = v_i + g t + R_i dv, p_j = p_i + v_i t + g t^2 / 2 + R_i dp, by the midpoint rule of MOT-1.
@@ -21,8 +24,8 @@ struct InertialNoise {
 struct Preintegration {
   using Mat9 = Eigen::Matrix<double, 9, 9>;
 
-  Preintegration(std::span<const ImuSample> samples, const Vec3& gyro_bias, const Vec3& acc_bias,
-                 const InertialNoise& noise);
+  /// Reads the IMU with the biases and the calibration of `known`.
+  Preintegration(std::span<const ImuSample> samples, const NavState& known, const InertialNoise& noise);
 
   double seconds = 0;
   Vec3 b_w, b_a;  ///< biases it was made with
@@ -33,7 +36,7 @@ struct Preintegration {
   Mat9 covariance = Mat9::Zero();  ///< of (theta, p, v), theta to the right of dR
 
  private:
-  void step(const ImuSample& from, const ImuSample& to, const InertialNoise& noise);
+  void step(const ImuSample& from, const ImuSample& to, const NavState& known, const InertialNoise& noise);
 };
 
 }  // namespace aslio::plugins

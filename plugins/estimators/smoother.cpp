@@ -46,14 +46,16 @@ void Smoother::place(Slice& slice) const {
   slice.path.place(slice.points.body, slice.times, slice.points.world, slice.lever, slice.share);
 }
 
-/// What all slices match where their paths place the points. A plane of the map that several meet is one (RES-5).
+/// What all slices match where their paths place the points: those of earlier updates nothing that they or later ones
+/// may have put into the map (HIS-1). A plane of the map that several meet is one (RES-5).
 void Smoother::associate(const Map& map) {
   const CpuTimer timer(result_.times.associate, result_.times.solve);
   sets_.clear();
   for (std::size_t i = first_; i < slices_.size(); ++i) {
     Slice& slice = *slices_[i];
     place(slice);
-    slice.points.match(map, *residual_, frame_.viewpoint(slice.state.pose()), 0xffffffff);
+    const std::uint32_t max_stamp = i < fresh_ ? slices_[first_]->sequence - 1 : 0xffffffff;
+    slice.points.match(map, *residual_, frame_.viewpoint(slice.state.pose()), max_stamp);
     sets_.push_back(slice.points.surfaces);
   }
   if (residual_->counts_sharers()) tally_.count(sets_);

@@ -65,6 +65,7 @@ void Smoother::cut(const Window& window) {
   std::size_t next = 0;
   for (const TimeNs end : ends) {
     Slice& slice = add_slice();
+    slice.sequence = window.sequence;
     slice.noise_of.imu_gap = window.imu_gap;
     if (next > 0) slice.imu.push_back(slices_[slices_.size() - 2]->imu.back());
     while (next < window.imu.size() && window.imu[next].t <= end) slice.imu.push_back(window.imu[next++]);

@@ -27,6 +27,20 @@ void WindowTrajectory::correct(const Pose& end) {
   move_ = end.R.transpose() * (end.p - end_.p);
 }
 
+void WindowTrajectory::correct_states(std::span<NavState> inside, const NavState& end) const {
+  for (NavState& state : inside) {
+    const double alpha = spread_ == Spread::rigid ? 1.0 : share(state.t);
+    const Pose here = pose(state.t);
+    const Vec3 v = state.v + alpha * (end.v - end_.v);
+    const TimeNs t = state.t;
+    state = end;
+    state.t = t;
+    state.R = here.R;
+    state.p = here.p;
+    state.v = v;
+  }
+}
+
 void WindowTrajectory::shift(const Vec3& by) {
   for (MotionSegment& segment : segments_) segment.p += by;
   end_.p += by;

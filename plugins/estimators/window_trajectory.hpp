@@ -26,6 +26,9 @@ class WindowTrajectory final : public TrajectoryModel {
   void shift(const Vec3& by);
   /// The end pose after the update.
   void correct(const Pose& end);
+  /// States that the prediction went through, in which the corrected `end` is known, too: on the corrected path, with
+  /// the share of the velocity's correction that it has there, and the rest as at the end (eq. DSK-2).
+  void correct_states(std::span<NavState> inside, const NavState& end) const;
 
   Spread spread() const { return spread_; }
   std::span<const MotionSegment> segments() const { return segments_; }

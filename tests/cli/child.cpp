@@ -70,6 +70,12 @@ Ended run_aslio_to(const std::string& out, const std::vector<std::string>& argum
       arguments, nullptr, [] {}, out);
 }
 
+Ended run_aslio_without(const std::vector<int>& streams, const std::vector<std::string>& arguments) {
+  return run(arguments, nullptr, [&streams] {
+    for (const int stream : streams) ::close(stream);
+  });
+}
+
 Ended run_aslio_with_file_limit(const std::vector<std::string>& arguments, std::size_t bytes) {
   return run(arguments, nullptr, [bytes] {
     const rlimit limit{bytes, bytes};

@@ -29,6 +29,9 @@ Ended run_aslio(const std::vector<std::string>& arguments,
 /// The same with stdout going to a file that is there already.
 Ended run_aslio_to(const std::string& out, const std::vector<std::string>& arguments);
 
+/// The same with these descriptors closed.
+Ended run_aslio_without(const std::vector<int>& streams, const std::vector<std::string>& arguments);
+
 /// The same where no file may grow beyond `bytes`: what a full disk does to a writer.
 Ended run_aslio_with_file_limit(const std::vector<std::string>& arguments, std::size_t bytes);
 

@@ -1,5 +1,9 @@
 /// What the command line does not do: overwrite its inputs, keep stale results, or take options that make no sense.
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -138,4 +142,59 @@ TEST_CASE("results that stdout does not take are a failure") {
     CHECK(ended.code == 3);
     CHECK_THAT(ended.err, Contains("stdout cannot be written: No space left on device"));
   }
+}
+
+TEST_CASE("where a standard stream is closed, nothing of what is printed ends up in the results") {
+  const Bench bench(Recording{.duration = 1.5});
+  REQUIRE(bench.run("open").code == 0);
+  for (const std::vector<int>& closed : {std::vector<int>{2}, {0, 2}, {0, 1, 2}}) {
+    const std::string output = "closed_" + std::to_string(closed.size());
+    run_aslio_without(closed, bench.arguments(output));
+    for (const char* file : {"trajectory.tum", "trajectory_lidar.tum", "updates.csv"}) {
+      INFO(file);
+      CHECK(content(bench / output / file) == content(bench / "open" / file));
+    }
+  }
+}
+
+TEST_CASE("two runs do not write into one folder") {
+  const Bench bench(Recording{.duration = 1.5});
+  std::filesystem::create_directory(bench / "out");
+  const int other = ::open((bench / "out").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  REQUIRE(::flock(other, LOCK_EX | LOCK_NB) == 0);
+  const Ended refused = bench.run("out");
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, Contains("another `aslio run` is at work there; wait for it, or name another folder"));
+  CHECK(std::filesystem::is_empty(bench / "out"));
+  ::close(other);
+  CHECK(bench.run("out").code == 0);
+}
+
+TEST_CASE("a summary says ok only where all else of the run has been written") {
+  const Bench bench(Recording{.duration = 1.5});
+  std::filesystem::create_directories(bench / "out/manifest.json/x");
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("manifest.json"));
+  const auto summary = nlohmann::json::parse(content(bench / "out/summary.json"));
+  CHECK(summary.at("status") == "failed");
+  CHECK_THAT(summary.at("reason").get<std::string>(), Contains("manifest.json"));
+}
+
+TEST_CASE("a report replaces what a report may have written, and no result or input") {
+  const Bench bench(Recording{.duration = 1.5});
+  REQUIRE(bench.run("out").code == 0);
+  const auto report = [&](const char* format, const std::filesystem::path& to) {
+    return run_aslio({"report", bench / "out", "--format", format, "--output", to});
+  };
+  for (const auto& [format, name] :
+       {std::pair{"md", "recording.bag"}, {"csv", "out/updates.csv"}, {"csv", "out/summary.json"}}) {
+    INFO(name);
+    const std::string before = content(bench / name);
+    const Ended ended = report(format, bench / name);
+    CHECK(ended.code == 2);
+    CHECK_THAT(ended.err, Contains("would be overwritten") && Contains("name another file"));
+    CHECK(content(bench / name) == before);
+  }
+  for (int k = 0; k < 2; ++k) CHECK(report("md", bench / "mine.md").code == 0);
 }

@@ -12,11 +12,13 @@ namespace aslio::test {
 
 namespace {
 
-std::string read_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides) {
+/// "reads FILE" is one of its lines where it reads another.
+experiment::ResolvedScene read_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides) {
   if (!std::filesystem::exists(scene)) throw ConfigError(scene.string() + ": cannot be opened");
-  std::string text = content(scene);
-  for (const std::string& assignment : overrides) text.append("\n").append(assignment);
-  return text;
+  experiment::ResolvedScene out{.text = content(scene), .files = {}};
+  for (const std::string& assignment : overrides) out.text.append("\n").append(assignment);
+  if (out.text.starts_with("reads ")) out.files = {scene.parent_path() / out.text.substr(6, out.text.find('\n') - 6)};
+  return out;
 }
 
 }  // namespace

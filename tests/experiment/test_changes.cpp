@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "aslio/core/sha256.hpp"
 #include "aslio/experiment/study_run.hpp"
 #include "study_files.hpp"
 
@@ -92,5 +93,25 @@ TEST_CASE("a run during which one of its texts changes is not kept") {
     Quiet quiet;
     CHECK_THROWS_WITH(run_study(study, how, quiet), Contains(std::string(changed) + ": has changed"));
     CHECK((!fs::exists(how.output / "runs/walk") || fs::is_empty(how.output / "runs/walk")));
+  }
+}
+
+TEST_CASE("a plugin, or what a scene reads, that changes ends the study, too") {
+  const StudyFiles files;
+  for (const std::string changed : {"libmine.so", "room.obj"}) {
+    CAPTURE(changed);
+    write_text(files.folder / "libmine.so", "code");
+    write_text(files.folder / "room.obj", "v 0 0 0\n");
+    write_text(files.folder / "reads.yaml", "reads room.obj\n");
+    Study study =
+        files.load(head() + "datasets: [{scene: scene_a.yaml}, {scene: scene_b.yaml}, {scene: reads.yaml}]\n" +
+                   "methods:\n" + method("first", "fixed_window"));
+    study.plugins = {files.folder / "libmine.so"};
+    study.sources.emplace(study.plugins[0], aslio::sha256_of_file(study.plugins[0]));
+    const StudyOptions how = one_at_a_time(files.folder / ("out_" + changed));
+    Writer writer(files.folder / changed);
+    CHECK_THROWS_WITH(run_study(study, how, writer), Contains(changed + ": has changed"));
+    CHECK(fs::exists(how.output / "runs/scene_a_1/first"));
+    CHECK_FALSE(fs::exists(how.output / "runs/reads_1/first"));
   }
 }

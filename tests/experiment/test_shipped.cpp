@@ -40,7 +40,9 @@ TEST_CASE("no two methods of a shipped study are the same pipeline") {
   aslio::plugin::Catalog catalog;
   aslio::plugins::register_all(catalog);
   StudyReading reading;
-  reading.resolve_scene = [](const fs::path& scene, const std::vector<std::string>&) { return scene.string(); };
+  reading.resolve_scene = [](const fs::path& scene, const std::vector<std::string>&) {
+    return ResolvedScene{.text = scene.string(), .files = {}};
+  };
   for (const std::string& file : shipped()) {
     const Study study = load_study(file, catalog, reading);
     for (std::size_t i = 0; i < study.methods.size(); ++i) {

@@ -10,6 +10,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_run.hpp"
+#include "folder_lock.hpp"
 #include "study_files.hpp"
 
 using namespace aslio::test;
@@ -165,4 +166,18 @@ TEST_CASE("shared data that another study puts in the place of broken ones are l
   CHECK(swaps == 1);
   CHECK(content(d.data / "data.bag") == std::string(3000, 't'));
   CHECK_THAT(d.again(), !Contains(kSimulated));
+}
+
+TEST_CASE("only another process's lock means that somebody is at work") {
+  const StudyFiles files;
+  const fs::path folder = files.folder / "folder", none = files.folder / "none", file = files.folder / "scene_a.yaml";
+  fs::create_directory(folder);
+  const auto lock = FolderLock::take(folder, true);
+  REQUIRE(lock.has_value());
+  CHECK_FALSE(FolderLock::take(folder, false).has_value());
+  CHECK(FolderLock::is_held(folder, false));
+  CHECK_FALSE(FolderLock::take(none, true).has_value());
+  CHECK_FALSE(FolderLock::is_held(none, true));
+  CHECK_THROWS_WITH(FolderLock::take(file, true), Contains("scene_a.yaml: cannot be opened: Not a directory"));
+  CHECK_FALSE(FolderLock::is_held(file, true));
 }

@@ -49,11 +49,13 @@ void Recording::write(const std::filesystem::path& path) const {
   const int samples = static_cast<int>(seconds * 100);
   for (int i = 0; i < samples; ++i) {
     const TimeNs stamp = kStart + i * kSecond / 100;
-    rosbag::encode_imu({static_cast<std::uint32_t>(i), stamp, "imu"}, turn ? turn(i) : gyro, acc, bytes);
-    bag.write(imu_id, stamp, bytes);
+    const TimeNs now = recorded ? recorded(stamp) : stamp;
+    const TimeNs sent = imu_stamp ? imu_stamp(i, stamp) : stamp;
+    rosbag::encode_imu({static_cast<std::uint32_t>(i), sent, "imu"}, turn ? turn(i) : gyro, acc, bytes);
+    bag.write(imu_id, now, bytes);
     if (i % 10 != 0) continue;
     bytes = lidar ? lidar(i / 10, stamp) : livox_message(stamp, stamp + timebase_shift, points);
-    bag.write(lidar_id, stamp + 1, bytes);
+    bag.write(lidar_id, now + 1, bytes);
   }
   bag.close();
 }

@@ -38,6 +38,10 @@ struct Recording {
   std::function<std::vector<std::uint8_t>(int k, TimeNs stamp)> lidar;
   /// Replaces the angular rate of IMU sample `i`; null: `gyro`.
   std::function<Vec3(int i)> turn;
+  /// Replaces the stamp of IMU sample `i`, but not the time at which it is recorded; null: that time.
+  std::function<TimeNs(int i, TimeNs stamp)> imu_stamp;
+  /// Replaces the time at which a message is recorded; null: its stamp.
+  std::function<TimeNs(TimeNs stamp)> recorded;
 
   void write(const std::filesystem::path& path) const;
 };

@@ -59,6 +59,30 @@ constexpr std::size_t kRoom = 512U << 20U;  // freed memory stays in quarantine
 constexpr std::size_t kRoom = 64U << 20U;
 #endif
 
+struct Sequence {
+  std::vector<std::pair<std::uint32_t, TimeNs>> messages;  ///< connection and time
+  bool warned = false;                                     ///< of the index
+};
+
+Sequence sequence_of(const std::filesystem::path& path) {
+  Sequence sequence;
+  rosbag::BagReader reader(path);
+  rosbag::BagMessage message;
+  while (reader.next(message)) sequence.messages.emplace_back(message.connection, message.time);
+  sequence.warned = contains(reader.warnings(), "the index is damaged (");
+  return sequence;
+}
+
+/// Where the values of a field of chunk infos stand.
+std::vector<std::size_t> places(const std::vector<std::uint8_t>& bytes, const std::string& key) {
+  std::vector<std::size_t> found;
+  for (auto at = bytes.begin();; ++at) {
+    at = std::search(at, bytes.end(), key.begin(), key.end());
+    if (at == bytes.end()) return found;
+    found.push_back(static_cast<std::size_t>(at - bytes.begin()) + key.size());
+  }
+}
+
 void replace(std::vector<std::uint8_t>& bytes, std::size_t from, const std::string& key, std::uint32_t value) {
   const auto at = std::search(bytes.begin() + static_cast<std::ptrdiff_t>(from), bytes.end(), key.begin(), key.end());
   REQUIRE(at != bytes.end());
@@ -241,6 +265,80 @@ TEST_CASE("a damaged index costs no message") {
   while (reader.next(message)) ++count;
   CHECK(count == 17);
   CHECK(contains(reader.warnings(), "index is damaged"));
+}
+
+TEST_CASE("a flipped bit in what the index says of a chunk costs no message and no order, and is told") {
+  const auto compression = GENERATE(rosbag::Compression::none, rosbag::Compression::lz4);
+  TemporaryFolder folder;
+  small(compression, true).write(folder / "a.bag");
+  const auto bytes = read_bytes(folder / "a.bag");
+  const Sequence whole = sequence_of(folder / "a.bag");
+  REQUIRE(whole.messages.size() == 17);
+  REQUIRE_FALSE(whole.warned);
+  const auto flipped = [&](std::size_t byte, int bit) {
+    auto damaged = bytes;
+    damaged[byte] = static_cast<std::uint8_t>(damaged[byte] ^ (1U << bit));
+    write_bytes(folder / "b.bag", damaged);
+    return sequence_of(folder / "b.bag");
+  };
+  std::size_t chunks = 0, silent = 0, wrong = 0;
+  for (const std::string key : {"start_time=", "end_time="}) {
+    for (const std::size_t at : places(bytes, key)) {
+      ++chunks;
+      for (int bit = 0; bit < 64; ++bit) {
+        const Sequence damaged = flipped(at + static_cast<std::size_t>(bit / 8), bit % 8);
+        silent += damaged.warned ? 0 : 1;
+        wrong += damaged.messages == whole.messages ? 0 : 1;
+      }
+    }
+  }
+  CHECK(chunks >= 6);
+  CHECK(silent == 0);
+  CHECK(wrong == 0);
+  // The count field of a chunk info is its last; a length and pairs of connection and count follow it.
+  const std::size_t first = places(bytes, "count=").back() + 8;
+  for (std::size_t byte = first; byte < bytes.size(); ++byte) {
+    for (int bit = 0; bit < 8; ++bit) {
+      const Sequence damaged = flipped(byte, bit);
+      wrong += damaged.messages == whole.messages ? 0 : 1;
+      const bool count = (byte - first) % 8 >= 4, other_topic = byte == first && bit == 0 && bytes.size() - first == 8;
+      silent += damaged.warned || (!count && other_topic) ? 0 : 1;
+    }
+  }
+  CHECK(silent == 0);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("an index that takes a chunk for a later or another one costs no message") {
+  TemporaryFolder folder;
+  small(rosbag::Compression::none, true).write(folder / "a.bag");
+  const auto bytes = read_bytes(folder / "a.bag");
+  const auto read = [&](const std::function<void(std::vector<std::uint8_t>&)>& damage) {
+    auto damaged = bytes;
+    damage(damaged);
+    write_bytes(folder / "b.bag", damaged);
+    Sequence sequence = sequence_of(folder / "b.bag");
+    CHECK(sequence.warned);
+    return sequence.messages.size();
+  };
+  const std::size_t start = places(bytes, "start_time=")[1], end = places(bytes, "end_time=")[1];
+  CHECK(read([&](auto& b) { b[start] ^= 2U, b[end] ^= 2U; }) == 17);  // 2 s later
+  const std::size_t pair = places(bytes, "count=").back() + 8;
+  CHECK(read([&](auto& b) { b[pair] ^= 0x40U; }) == 17);  // no such connection
+  // What is open when the index is found out comes once, and its topics stay selected.
+  auto damaged = bytes;
+  damaged[end + 4] ^= 1U;
+  write_bytes(folder / "b.bag", damaged);
+  rosbag::BagReader reader(folder / "b.bag");
+  const std::uint32_t imu = 0;
+  for (int again = 0; again < 2; ++again) {
+    reader.select({&imu, 1});
+    rosbag::BagMessage message;
+    std::size_t count = 0;
+    for (; reader.next(message); ++count) REQUIRE(message.time == kStart + static_cast<TimeNs>(count) * kSecond / 100);
+    CHECK(count == 15);
+  }
+  CHECK(reader.warnings().size() == 1);
 }
 
 }  // namespace aslio::io::test

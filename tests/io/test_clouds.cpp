@@ -302,6 +302,52 @@ TEST_CASE("a later cloud with zero-filled times is skipped and counted") {
   CHECK(contains(source->notes().warnings, "same time"));
 }
 
+TEST_CASE("a later cloud without the time field, or with another type of it, is skipped and counted") {
+  const auto sweep = [] {
+    return with_f32_time([](int i) { return static_cast<float>(1e-9 * double(offset_of(i))); });
+  };
+  struct Case {
+    std::string what;
+    std::function<void(Cloud&)> change;
+    std::size_t packets;
+    std::string why;
+  };
+  const std::vector<Case> cases{
+      {"renamed", [](Cloud& c) { c.layout.fields.back().name = std::string("time_q"); }, 6,
+       "the first, of the LiDAR: it has no time field, which clouds before it have (fields: x float32"},
+      {"another type", [](Cloud& c) { c.layout.fields.back().datatype = kU32; }, 6,
+       "its time field 'time' is uint32, that of clouds before it float32"},
+      {"renamed, without points",
+       [](Cloud& c) {
+         c.layout.fields.back().name = std::string("time_q");
+         c.layout.width = c.layout.row_step = 0;
+         c.data.clear();
+       },
+       8, ""},
+  };
+  for (const Case& one : cases) {
+    INFO(one.what);
+    for (const bool required : {true, false}) {
+      TemporaryFolder folder;
+      Recording recording = recording_of(nullptr);
+      recording.seconds = 0.8;
+      recording.lidar = [&](int k, TimeNs stamp) {
+        Cloud cloud = sweep();
+        if (k == 5 || k == 7) one.change(cloud);
+        return cloud.message(stamp);
+      };
+      recording.write(folder / "a.bag");
+      SensorConfig sensor;
+      sensor.require_point_times = required;
+      const auto source = open_source(folder / "a.bag", sensor);
+      CHECK(drain(*source).packets == one.packets);
+      CHECK(source->notes().malformed_lidar == 8 - one.packets);
+      CHECK((one.why.empty() || contains(source->notes().warnings, one.why)));
+      CHECK(inspect(folder / "a.bag", sensor).topics[1].malformed == 8 - one.packets);
+    }
+  }
+}
+
 TEST_CASE("points that are no returns are dropped and counted") {
   TemporaryFolder folder;
   recording_of([](TimeNs) {

@@ -145,6 +145,47 @@ TEST_CASE("missing and damaged files of a drive") {
   CHECK(contains(data_error([&] { open_source(folder.path() / "2011_09_26" / "..", {}); }), "timestamps.txt:2"));
 }
 
+TEST_CASE("an empty line in a list of times is a lost frame, and later ones keep their number") {
+  TemporaryFolder folder;
+  const fs::path drive = write_drive(folder.path(), 2);
+  const fs::path velodyne = drive / "velodyne_points";
+  const auto stamps = [&] {
+    std::vector<TimeNs> times;
+    const auto source = open_source(drive, calibrated());
+    while (const auto measurement = source->next()) {
+      const auto* packet = std::get_if<LidarPacket>(&*measurement);
+      times.push_back(packet != nullptr ? packet->stamp : std::get<ImuSample>(*measurement).t);
+    }
+    return times;
+  };
+  const auto without_line = [](const fs::path& list, int number, const std::string& behind = "") {
+    std::ifstream from(list);
+    std::string text, line;
+    for (int i = 0; std::getline(from, line); ++i)
+      text += (i == number ? "" : line.substr(0, line.find('\r'))) + "\r\n";
+    from.close();
+    std::ofstream(list) << text + behind;
+  };
+  const std::vector<TimeNs> expected = stamps();
+  REQUIRE(expected.size() == 9);
+  without_line(velodyne / "timestamps_start.txt", 2, "\n\n");
+  CHECK(stamps() == expected);
+  without_line(velodyne / "timestamps_end.txt", 2);
+  CHECK(stamps() == expected);
+  CHECK(contains(open_source(drive, calibrated())->notes().warnings, "1 scans are listed but missing"));
+
+  without_line(drive / "oxts/timestamps.txt", 1);
+  CHECK(contains(data_error([&] { open_source(drive, calibrated()); }),
+                 "oxts/timestamps.txt:2: the line is empty, which marks a lost frame, but there is "));
+  fs::remove(drive / "oxts/data/0000000001.txt");
+  CHECK(stamps().size() == 8);
+  CHECK(contains(open_source(drive, calibrated())->notes().warnings, "1 OXTS packets are listed but missing"));
+  without_line(velodyne / "timestamps_end.txt", 3);
+  CHECK(contains(data_error([&] { inspect(drive); }), "timestamps_end.txt:4: the line is empty"));
+  std::ofstream(velodyne / "timestamps_start.txt") << "\n\nyesterday\n";
+  CHECK(contains(data_error([&] { inspect(drive); }), "timestamps_start.txt:3: 'yesterday'"));
+}
+
 TEST_CASE("a folder in the place of a scan is an error that names it") {
   TemporaryFolder folder;
   const fs::path drive = write_drive(folder.path());

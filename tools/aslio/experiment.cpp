@@ -57,10 +57,11 @@ void print_plan(const experiment::Study& study, const experiment::StudyOptions& 
     experiment::append_runs(study, options.program, runs_folder, d, runs);
     const auto selected = experiment::select_runs(study, runs, options.only);
     const auto rows = experiment::rows_so_far(study, runs, options.output);
+    const auto standing = experiment::standing_runs(study, options, runs, rows);
     std::string text;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       if (!selected[i]) continue;
-      const bool done = rows[i] && stands(rows[i]->outcome, study, options);
+      const bool done = standing[i];
       ++(done ? finished : open);
       text += fmt::format("{}/{}: {}\n", study.data[d].name, runs[i].folder, done ? "finished" : "to run");
     }
@@ -164,7 +165,11 @@ int run_experiment(const ExperimentArguments& a) {
   if (!a.data.empty()) require_folder("--data", a.data);
   const Stages stages = load_stages(a.plugins);
   const experiment::StudyReading reading{.resolve_scene = resolve_scene, .seeds = seeds_of(a.seeds), .scale = a.scale};
-  const experiment::Study study = experiment::load_study(a.study, stages.catalog, reading);
+  experiment::Study study = experiment::load_study(a.study, stages.catalog, reading);
+  for (const experiment::PluginFile& plugin : stages.files) {
+    study.plugins.push_back(plugin.path);
+    study.sources.emplace(plugin.path, plugin.sha256);
+  }
   experiment::StudyOptions options;
   options.output = a.output;
   if (!a.data.empty()) options.data = a.data;

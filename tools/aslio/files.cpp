@@ -58,14 +58,17 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
   throw ConfigError(fmt::format("{}: this version cannot read such a file", file.string()));
 }
 
-std::string resolve_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides) {
+experiment::ResolvedScene resolve_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides) {
   require_scene_files(scene, overrides);
   const simulator::SceneFile file = simulator::load_scene(scene, overrides);
-  std::string text = fmt::format("{}\nsimulator {}", file.resolved, simulator::sources_digest());
+  experiment::ResolvedScene out{.text = fmt::format("{}\nsimulator {}", file.resolved, simulator::sources_digest()),
+                                .files = {}};
   for (const std::string& read : {file.scene.follow.file, file.scene.world.mesh.file}) {
-    if (!read.empty()) text.append("\n").append(sha256_of_file(scene.parent_path() / read));
+    if (read.empty()) continue;
+    out.files.push_back(scene.parent_path() / read);
+    out.text.append("\n").append(sha256_of_file(out.files.back()));
   }
-  return text;
+  return out;
 }
 
 }  // namespace aslio::cli

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "aslio/config/load.hpp"
+#include "aslio/experiment/study.hpp"
 
 namespace aslio::cli {
 
@@ -17,8 +18,8 @@ struct CheckedFile {
 /// Throws ConfigError with everything that is wrong with the file.
 CheckedFile read_checked(const std::filesystem::path& file, const config::StageLookup& stages);
 
-/// Text that stands for a scene with overrides: its values, the version of the simulator, and the digests of the files
-/// it reads. Throws ConfigError.
-std::string resolve_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides);
+/// A scene with overrides: its values, the version of the simulator, and the digests of the files it reads. Throws
+/// ConfigError.
+experiment::ResolvedScene resolve_scene(const std::filesystem::path& scene, const std::vector<std::string>& overrides);
 
 }  // namespace aslio::cli

@@ -5,6 +5,8 @@
 #include <malloc.h>
 #endif
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <csignal>
 #include <sstream>
@@ -45,6 +47,16 @@ void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 16 << 20);
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
 #endif
+}
+
+/// A file that is opened gets the lowest descriptor that is free: without these, what is printed would end up in it.
+void keep_standard_streams_apart() {
+  for (const int stream : {0, 1, 2}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    // Output that is closed stays one that cannot be written, which is told by the exit code; messages are lost.
+    const int opened = ::open("/dev/null", stream == 1 ? O_RDONLY : O_RDWR);
+    if (opened >= 0 && opened != stream) ::close(opened);
+  }
 }
 
 int act(const std::vector<Command>& commands) {
@@ -116,6 +128,7 @@ int run_command_line(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace aslio::cli;
+  keep_standard_streams_apart();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that reaches a size limit is a failed write, which is reported
   std::signal(SIGPIPE, SIG_IGN);
   keep_freed_memory();

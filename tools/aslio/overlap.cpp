@@ -76,10 +76,11 @@ std::string report(const OverlapArguments& a, const experiment::OverlapSeriesEnd
   return text + fmt::format("\noutput       {}\n", a.output);
 }
 
-void refuse_to_overwrite(const experiment::OverlapSeriesOptions& options, const std::string& output) {
-  for (const auto& input : {options.pipeline, options.input, options.sensor, options.trajectory}) {
+void refuse_to_overwrite(const experiment::OverlapSeriesOptions& options, const std::filesystem::path& dataset,
+                         const std::string& output) {
+  for (const auto& input : {options.pipeline, options.input, options.sensor, options.trajectory, dataset}) {
     std::error_code none;
-    if (std::filesystem::equivalent(input, output, none)) {
+    if (!input.empty() && std::filesystem::equivalent(input, output, none)) {
       throw ConfigError(fmt::format("--output {}: is read by this command; name another file", output));
     }
   }
@@ -89,7 +90,8 @@ int score(const OverlapArguments& a, const CLI::App& app) {
   catch_interrupts();
   const Stages stages = load_stages(a.plugins);
   const auto options = options_of(a, app);
-  refuse_to_overwrite(options, a.output);
+  const std::filesystem::path dataset = find_recording(a.recording, app).dataset.value_or("");
+  refuse_to_overwrite(options, dataset, a.output);
   io::AtomicFile file(a.output);
   file.write(experiment::overlap_series_header());
   Means means;

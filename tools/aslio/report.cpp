@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include "aslio/core/errors.hpp"
@@ -70,6 +71,23 @@ void open_file(const fs::path& file) {
   }
 }
 
+/// Throws ConfigError when `output` is a file that no report wrote: results, or an input.
+void refuse_to_replace(const fs::path& output, const std::string& format) {
+  constexpr std::array<std::string_view, 9> kNotOurs = {"table.md",    "verdict.md",  "results.csv",
+                                                        "plan.csv",    "updates.csv", "statistics.csv",
+                                                        "overlap.csv", "timings.csv", "truth.csv"};
+  std::error_code ignored;
+  if (!fs::exists(output, ignored)) return;
+  const std::string name = output.filename().string(), extension = output.extension().string();
+  const bool ours = extension == "." + format || extension == ".txt" || (format == "html" && extension == ".htm");
+  if (ours && std::find(kNotOurs.begin(), kNotOurs.end(), name) == kNotOurs.end()) return;
+  if (!fs::is_regular_file(output, ignored)) return;  // a device or a pipe keeps nothing; a folder is told when written
+  throw ConfigError(
+      fmt::format("--output {}: is there, and would be overwritten though no report of this format has "
+                  "such a name; name another file, as report.{}",
+                  output.string(), format));
+}
+
 int make_report(const ReportArguments& a) {
   std::vector<std::string> formats = a.formats;
   std::sort(formats.begin(), formats.end());
@@ -83,6 +101,7 @@ int make_report(const ReportArguments& a) {
     throw ConfigError("--open shows the page: add html to --format");
   }
   const report::StudyFolder study = report::read_study_folder(a.folder);
+  if (!a.output.empty()) refuse_to_replace(a.output, formats.front());
   for (const std::string& format : formats) {
     const fs::path path = a.output.empty() ? fs::path(a.folder) / ("report." + format) : fs::path(a.output);
     std::vector<std::string> unreadable;

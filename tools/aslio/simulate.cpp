@@ -66,6 +66,10 @@ void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const Simulat
                                     output == a.world ? "--save-world" : "--output", input.string()));
     }
   }
+  // Else a slip of the hand replaces another recording's truth, or a file of this one.
+  if (!a.world.empty() && fs::path(a.world).extension() != ".ply") {
+    throw ConfigError(fmt::format("--save-world {}: is written as PLY; give a name that ends in .ply", a.world));
+  }
 }
 
 /// Throws ConfigError: nothing has been simulated yet, and another --output is the remedy.

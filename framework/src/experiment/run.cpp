@@ -294,16 +294,24 @@ void mark_failure(Summary& summary, const SummaryCollector& collector, const Tra
   summary.failed_at = failed_after(poses, reference, other);
 }
 
-/// As many of them as can be written; then throws for the first that could not.
-void write_all(const std::vector<std::pair<std::filesystem::path, std::string>>& files) {
+/// The summary last: where it is, all is. Where the others cannot be written it says so, in their room if need be, and
+/// this throws for them.
+void write_texts(const std::filesystem::path& output, const std::string& resolved, const std::string& manifest,
+                 Summary& summary) {
   std::exception_ptr failure;
-  for (const auto& [path, text] : files) {
-    try {
-      write_file(path, text);
-    } catch (const DataError&) {
-      if (!failure) failure = std::current_exception();
+  try {
+    write_file(output / "resolved.yaml", resolved);
+    write_file(output / "manifest.json", manifest);
+  } catch (const DataError& error) {
+    failure = std::current_exception();
+    if (summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded) {
+      summary.status = pipeline::RunStatus::failed;
+      summary.reason = error.what();
     }
+    std::error_code ignored;
+    std::filesystem::remove(output / "resolved.yaml", ignored);
   }
+  write_file(output / "summary.json", to_json(summary));
   if (failure) std::rethrow_exception(failure);
 }
 
@@ -317,6 +325,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const BuildContext context{executor, sensor, std::move(log), options.order_seed};
   pipeline::Odometry odometry(prepared.pipeline.value, context, pipeline::build_stages(prepared.pipeline, context));
   refuse_to_overwrite_inputs(options);
+  const auto lock = lock_output(options.output);
   std::unique_ptr<RunOutputs> outputs = open_outputs(options, sensor);
   remove_stale(options);
 
@@ -357,10 +366,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     if (std::find(told.begin(), told.end(), warning) == told.end()) result.late_warnings.push_back(warning);
   }
 
-  // The summary first: where the disk has room for one file, it says why.
-  write_all({{options.output / "summary.json", to_json(summary)},
-             {options.output / "resolved.yaml", prepared.pipeline.resolved},
-             {options.output / "manifest.json", to_json(manifest, options)}});
+  write_texts(options.output, prepared.pipeline.resolved, to_json(manifest, options), summary);
   return result;
 }
 

@@ -175,15 +175,25 @@ void refuse_to_overwrite_inputs(const RunOptions& options) {
   }
 }
 
-std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor) {
-  const std::string place = fmt::format("--output {}", options.output.string());
+std::optional<FolderLock> lock_output(const std::filesystem::path& output) {
   std::error_code error;
-  std::filesystem::create_directories(options.output, error);
+  std::filesystem::create_directories(output, error);
   std::error_code ignored;
-  if (!std::filesystem::is_directory(options.output, ignored)) {
-    throw ConfigError(fmt::format("{}: {}; name a folder that exists or can be created", place,
+  if (!std::filesystem::is_directory(output, ignored)) {
+    throw ConfigError(fmt::format("--output {}: {}; name a folder that exists or can be created", output.string(),
                                   error ? error.message() : "it is not a folder"));
   }
+  try {
+    if (auto lock = FolderLock::take(output, true)) return lock;
+  } catch (const DataError&) {
+    return std::nullopt;  // a file system without locks, or a folder that may be written and not read: runs go there
+  }
+  throw ConfigError(fmt::format(
+      "--output {}: another `aslio run` is at work there; wait for it, or name another folder", output.string()));
+}
+
+std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor) {
+  const std::string place = fmt::format("--output {}", options.output.string());
   try {
     return std::make_unique<RunOutputs>(options, sensor);
   } catch (const DataError& failure) {

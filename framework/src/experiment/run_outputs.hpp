@@ -10,6 +10,7 @@
 #include "aslio/core/sensor.hpp"
 #include "aslio/experiment/run.hpp"
 #include "aslio/io/writers.hpp"
+#include "folder_lock.hpp"
 
 namespace aslio::experiment {
 
@@ -57,6 +58,10 @@ void refuse_to_overwrite_inputs(const RunOptions& options);
 /// Creates the folder and every file that grows. Throws ConfigError when that cannot be: nothing has been read yet, and
 /// another --output is the remedy.
 std::unique_ptr<RunOutputs> open_outputs(const RunOptions& options, const SensorModel& sensor);
+
+/// Creates the folder, and keeps other runs out of it for as long as the lock lives; nothing where its file system has
+/// no locks. Throws ConfigError when it cannot be created, or another run is at work there.
+std::optional<FolderLock> lock_output(const std::filesystem::path& output);
 
 /// Removes the results of an earlier run, whatever becomes of this one; maps have names of their own and stay, but for
 /// those of its further segments.

@@ -201,11 +201,11 @@ class Reader {
     data.sequence = config.name.empty() ? data.scene.stem().string() : config.name;
     const auto seeds = *(reading_.seeds ? reading_.seeds : parse_seeds(config.seeds));
     const bool by_seed = with_seed(config.set, seeds.front()) != config.set;
-    std::string resolved;
     try {
-      resolved = reading_.resolve_scene(data.scene, with_seed(config.set, seeds.front()));
+      ResolvedScene resolved = reading_.resolve_scene(data.scene, with_seed(config.set, seeds.front()));
       // Of scenes that go by the seed, one and the same stands for all: that of seed 1.
-      const std::string all = by_seed ? reading_.resolve_scene(data.scene, with_seed(config.set, 1)) : resolved;
+      const std::string all =
+          by_seed ? reading_.resolve_scene(data.scene, with_seed(config.set, 1)).text : resolved.text;
       study_.sources.emplace(data.scene, sha256_of_file(data.scene));
       require_one_scene(data.sequence, (by_seed ? "by seed\n" : "") + all, index);
       for (const std::uint64_t seed : seeds) {
@@ -213,7 +213,12 @@ class Reader {
         data.set = with_seed(config.set, seed);
         data.name = fmt::format("{}_{}", data.sequence, seed);
         if (by_seed) resolved = reading_.resolve_scene(data.scene, data.set);
-        data.identity = sha256_of(fmt::format("scene\n{}\nseed {}\nscale {}\n", resolved, seed, data.scale));
+        data.texts = {data.scene};
+        for (const fs::path& file : resolved.files) {
+          data.texts.push_back(file);
+          study_.sources.emplace(file, sha256_of_file(file));
+        }
+        data.identity = sha256_of(fmt::format("scene\n{}\nseed {}\nscale {}\n", resolved.text, seed, data.scale));
         add_named(data, index);
       }
     } catch (const std::runtime_error& error) {  // of the scene, or of what it names

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -80,8 +79,9 @@ class Schedule {
     result_.rows = used_.rows(study, result_.runs, options.output, options.recording, selected);
     data_.resize(study.data.size());
     states_.resize(result_.runs.size(), RunState::skipped);
+    const std::vector<bool> standing = standing_runs(study, options, result_.runs, result_.rows);
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
-      if (result_.rows[i] && stands(result_.rows[i]->outcome, study, options)) {
+      if (standing[i]) {
         states_[i] = RunState::finished;
       } else if (selected[i] && is_ours(result_.runs[i].data)) {
         states_[i] = RunState::waiting;
@@ -178,10 +178,14 @@ class Schedule {
   /// False: nothing can be started now.
   bool start_next() {
     for (std::size_t i = 0; i < states_.size(); ++i) {
-      if (states_[i] == RunState::waiting && can_start(result_.runs[i])) {
+      if (states_[i] != RunState::waiting || !can_start(result_.runs[i])) continue;
+      if (const auto outcome = without_whole_files(result_, study_, i)) {
+        leave_outcome(i, *outcome);
+        close_run(i, StudyRow{.outcome = *outcome, .figures = {}});
+      } else {
         start_run(i);
-        return true;
       }
+      return true;
     }
     blocked_ = false;
     for (std::size_t d = 0; d < data_.size(); ++d) {
@@ -314,9 +318,10 @@ class Schedule {
     return runs_folder_ / study_.data[result_.runs[i].data].name / result_.runs[i].folder;
   }
 
-  /// What a run reads by itself: its pipeline, and the files of a recording. The data of a scene are made already.
+  /// What a run reads by itself: pipeline, plugins, the files of a recording. The data of a scene are made already.
   std::vector<fs::path> sources_of(const StudyRun& run) const {
-    std::vector<fs::path> files = {study_.methods[run.method].pipeline};
+    std::vector<fs::path> files = study_.plugins;
+    files.push_back(study_.methods[run.method].pipeline);
     const StudyData& data = study_.data[run.data];
     if (data.scene.empty()) files.insert(files.end(), data.texts.begin(), data.texts.end());
     return files;
@@ -469,12 +474,6 @@ std::size_t StudyResult::failures() const {
       std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row && !row->good(); }));
 }
 
-bool stands(const StudyOutcome& outcome, const Study& study, const StudyOptions& options) {
-  const std::array<std::string_view, 4> again = {"failed", "crashed", "timeout", "memory"};
-  if (options.retry && std::find(again.begin(), again.end(), outcome.status) != again.end()) return false;
-  return outcome.stands(study.config);
-}
-
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,
                                                  const fs::path& output, const std::string& recording) {
   return UsedFiles(study).rows(study, runs, output, recording, std::vector<bool>(runs.size(), true));
@@ -492,6 +491,7 @@ StudyResult run_study(const Study& study, const StudyOptions& options, StudyMoni
   if (!options.recording.empty()) {
     locked = options.output / "runs" / options.recording;
     fs::create_directories(locked, error);
+    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", locked.string(), error.message()));
   }
   const FolderLock lock = FolderLock::of_output(locked, options.output);
   return Schedule(study, options, monitor).run();

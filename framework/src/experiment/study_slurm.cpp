@@ -8,6 +8,7 @@
 #include <chrono>
 #include <deque>
 #include <fstream>
+#include <map>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_status.hpp"
@@ -68,9 +69,11 @@ class Cluster {
     write_plan(study, result_.runs, slurm.throttle * options.jobs, options.output);
     attempts_.assign(study.data.size(), 0);
     open_.resize(study.data.size());
+    const std::vector<bool> standing = standing_runs(study, options, result_.runs, result_.rows);
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
-      if (!selected_[i] || (result_.rows[i] && stands(result_.rows[i]->outcome, study, options))) continue;
+      if (!selected_[i] || standing[i]) continue;
       open_[result_.runs[i].data].push_back(i);
+      if (result_.rows[i]) refused_.emplace(i, marked_at(i));
       result_.rows[i].reset();
       ++total_;
     }
@@ -126,9 +129,19 @@ class Cluster {
   }
 
   /// The marks of runs that are to be made again: what has one afterwards has been made.
-  void forget(std::size_t d) const {
+  void forget(std::size_t d) {
     std::error_code ignored;
-    for (const std::size_t i : open_[d]) fs::remove(folder_of(i) / "run_key.json", ignored);
+    for (const std::size_t i : open_[d]) {
+      fs::remove(folder_of(i) / "run_key.json", ignored);
+      refused_.erase(i);
+    }
+  }
+
+  /// When the mark of a finished run was written.
+  std::optional<fs::file_time_type> marked_at(std::size_t i) const {
+    std::error_code error;
+    const auto time = fs::last_write_time(folder_of(i) / "run_key.json", error);
+    return error ? std::nullopt : std::optional(time);
   }
 
   fs::path folder_of(std::size_t i) const {
@@ -216,7 +229,9 @@ class Cluster {
       // A file that its pipeline names may have come since the runs were planned.
       run.key = run_key(study_, result_.runs, run, options_.program, fs::absolute(options_.output) / "runs");
       const auto outcome = used_.outcome(run, folder_of(i));
-      if (!outcome) {
+      // A task of an earlier call may be at work on these data: what did not stand before it does not stand now.
+      const auto refused = refused_.find(i);
+      if (!outcome || (refused != refused_.end() && refused->second && refused->second == marked_at(i))) {
         ++at;
         continue;
       }
@@ -246,7 +261,9 @@ class Cluster {
     const std::string words = complaint(task.array.folder / fmt::format("log-{}.txt", task.index));
     std::string what = code ? fmt::format("its task ended with exit code {}", *code) : "its task was lost";
     if (!words.empty()) what += ": " + words;
-    if (++attempts_[task.data] < slurm_.attempts) {
+    const bool adopted = std::any_of(open.begin(), open.end(), [this](std::size_t i) { return refused_.count(i) > 0; });
+    if (adopted) forget(task.data);
+    if (adopted || ++attempts_[task.data] < slurm_.attempts) {
       monitor_.on_line(fmt::format("{}: {}; submitted again", name, what));
       waiting_.push_back(task.data);
       return;
@@ -271,9 +288,11 @@ class Cluster {
   StudyResult result_;
   std::vector<bool> selected_;
   std::vector<std::vector<std::size_t>> open_;  ///< runs to make, by data
-  std::vector<int> attempts_;                   ///< by data
-  std::deque<std::size_t> waiting_;             ///< data to be submitted
-  std::vector<Task> tasks_;                     ///< submitted
+  /// Of open runs that had an outcome which does not stand: when it was written.
+  std::map<std::size_t, std::optional<fs::file_time_type>> refused_;
+  std::vector<int> attempts_;        ///< by data
+  std::deque<std::size_t> waiting_;  ///< data to be submitted
+  std::vector<Task> tasks_;          ///< submitted
   std::size_t total_ = 0, done_ = 0, failed_ = 0;
   bool reachable_ = true;
   Clock::time_point start_ = Clock::now(), shown_;

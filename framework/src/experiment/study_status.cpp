@@ -57,7 +57,7 @@ class Reader {
       : output_(output), plan_(read_csv(output / kPlanFile)), planned_(fs::last_write_time(output / kPlanFile)) {}
 
   StudyStatus read() {
-    status_.at_work = !FolderLock::take(output_, true).has_value() || on_cluster();
+    status_.at_work = FolderLock::is_held(output_, true) || on_cluster();
     const std::size_t data = plan_.column("data"), sequence = plan_.column("sequence"), run = plan_.column("run"),
                       method = plan_.column("method"), key = plan_.column("key");
     for (const auto& row : plan_.rows) {
@@ -85,8 +85,7 @@ class Reader {
   /// A call with --recording holds the folder of its runs alone.
   void look_into(const fs::path& folder) {
     begun_ = begun_in(folder);
-    std::error_code ignored;
-    held_ = status_.at_work || (fs::exists(folder, ignored) && !FolderLock::take(folder, false).has_value());
+    held_ = status_.at_work || FolderLock::is_held(folder, false);
     recordings_at_work_ |= held_;
   }
 

@@ -1,10 +1,6 @@
 #include "study_store.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -133,49 +129,6 @@ bool has_content(const fs::path& file) {
   std::error_code error;
   return fs::is_regular_file(file, error) && fs::file_size(file, error) > 0 && !error;
 }
-
-FolderLock::~FolderLock() {
-  if (file_ >= 0) ::close(file_);
-}
-
-FolderLock::FolderLock(FolderLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
-
-FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
-  std::swap(file_, other.file_);
-  return *this;
-}
-
-std::optional<FolderLock> FolderLock::take(const fs::path& folder, bool exclusive) {
-  constexpr int kTries = 10;
-  for (int i = 0; i < kTries; ++i) {
-    FolderLock lock;
-    lock.file_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock.file_ < 0 || !lock.change(exclusive)) return std::nullopt;
-    // Who held the lock may have put another folder in its place since it was opened.
-    if (lock.is_of(folder)) return lock;
-  }
-  return std::nullopt;
-}
-
-bool FolderLock::is_of(const fs::path& folder) const {
-  struct stat locked {
-  }, named{};
-  return ::fstat(file_, &locked) == 0 && ::stat(folder.c_str(), &named) == 0 && locked.st_dev == named.st_dev &&
-         locked.st_ino == named.st_ino;
-}
-
-FolderLock FolderLock::of_output(const fs::path& folder, const fs::path& output) {
-  constexpr int kTries = 60;
-  for (int i = 0; i < kTries; ++i) {
-    if (auto lock = take(folder, true)) return std::move(*lock);
-    ::poll(nullptr, 0, 50);
-  }
-  throw ConfigError(
-      fmt::format("--output {}: another `aslio experiment` is at work there; wait for it, or name another folder",
-                  output.string()));
-}
-
-bool FolderLock::change(bool exclusive) const { return ::flock(file_, (exclusive ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0; }
 
 StudyStore::StudyStore(fs::path output, const std::optional<fs::path>& shared, bool keep, bool world)
     : output_(std::move(output)),

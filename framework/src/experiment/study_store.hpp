@@ -9,33 +9,9 @@
 #include <string_view>
 
 #include "aslio/experiment/study.hpp"
+#include "folder_lock.hpp"
 
 namespace aslio::experiment {
-
-/// A lock on a folder that other processes see; given up at the end.
-class FolderLock {
- public:
-  FolderLock() = default;
-  ~FolderLock();
-  FolderLock(FolderLock&& other) noexcept;
-  FolderLock& operator=(FolderLock&& other) noexcept;
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
-  /// Of the folder that has this name when the lock is held. Nothing when another process holds a lock that excludes
-  /// this one, or the folder is not there.
-  static std::optional<FolderLock> take(const std::filesystem::path& folder, bool exclusive);
-  /// The exclusive lock of an output folder. A study that was killed may leave a child behind that holds its lock for
-  /// as long as it takes to notice: tried for 3 s. Throws ConfigError when another study is at work there.
-  static FolderLock of_output(const std::filesystem::path& folder, const std::filesystem::path& output);
-  /// From the other kind, at once or not at all.
-  bool change(bool exclusive) const;
-
- private:
-  bool is_of(const std::filesystem::path& folder) const;
-
-  int file_ = -1;
-};
 
 /// A file that can be read from, and not an empty one, as a disk without room leaves it.
 bool has_content(const std::filesystem::path& file);

@@ -9,6 +9,7 @@
 
 #include "aslio/experiment/study.hpp"
 #include "aslio/experiment/study_results.hpp"
+#include "aslio/experiment/study_run.hpp"
 
 namespace aslio::experiment {
 
@@ -29,5 +30,9 @@ class UsedFiles {
  private:
   std::vector<std::vector<std::string_view>> files_;  ///< by method that leaves them
 };
+
+/// The outcome of a run that is not made because another whose files it reads was ended from outside: a part of a
+/// schedule would be taken for all of it.
+std::optional<StudyOutcome> without_whole_files(const StudyResult& result, const Study& study, std::size_t run);
 
 }  // namespace aslio::experiment

@@ -8,6 +8,7 @@
 #include "aslio/io/rosbag/messages.hpp"
 #include "imu_rate.hpp"
 #include "lidar_decoder.hpp"
+#include "stamp_clock.hpp"
 
 namespace aslio::io {
 namespace {
@@ -17,6 +18,8 @@ using rosbag::BagReader;
 using rosbag::Connection;
 
 constexpr std::size_t kJudgedMessages = 50;  ///< LiDAR messages looked at for one with returns
+constexpr std::size_t kClockMessages = 5;    ///< LiDAR messages by which the clock of their stamps is judged
+constexpr TimeNs kClocksApart = kSecond;     ///< a recorder is never so late with one topic alone
 constexpr TimeNs kSectionSlack = kSecond;    ///< messages may be recorded later than stamped
 
 std::string list_topics(const std::vector<Connection>& connections) {
@@ -111,6 +114,7 @@ class BagSource final : public MeasurementSource {
     decoder_ = make_lidar_decoder(lidar.front(), sensor, fmt::format("{}: {}", path.string(), lidar.front().topic));
     judge_imu(sensor, fmt::format("{}: {}", path.string(), imu.front().topic));
     judge_lidar(lidar.front().topic);
+    compare_clocks(imu.front().topic, lidar.front().topic, sensor.model.sweep_period);
     set_section(section);
     std::vector<std::uint32_t> both = lidar_ids_;
     both.insert(both.end(), imu_ids_.begin(), imu_ids_.end());
@@ -123,9 +127,11 @@ class BagSource final : public MeasurementSource {
     while (!past_section() && reader_.next(message)) {
       const bool is_imu_message = std::find(imu_ids_.begin(), imu_ids_.end(), message.connection) != imu_ids_.end();
       auto stamp = decode::header_stamp(message.bytes);
+      const StampClock& clock = is_imu_message ? imu_clock_ : lidar_clock_;
+      const bool ahead = stamp && clock.far_ahead(*stamp, message.time);
       if (stamp && is_imu_message) *stamp -= units_.delay;
       TimeNs& newest = is_imu_message ? newest_imu_ : newest_lidar_;
-      if (stamp) newest = std::max(newest, *stamp);
+      if (stamp && !ahead) newest = std::max(newest, *stamp);
       if (stamp && (*stamp < from_ || *stamp >= until_)) {
         sweeps_ += is_imu_message ? 0 : 1;
         continue;
@@ -170,35 +176,64 @@ class BagSource final : public MeasurementSource {
   void judge_imu(const SensorConfig& sensor, const std::string& where) {
     reader_.select(imu_ids_);
     BagMessage message;
-    std::vector<ImuSample> samples;
-    while (samples.size() < kJudgedImuSamples && reader_.next(message)) {
+    ImuBeginning beginning;
+    for (bool more = true, first = true; more && reader_.next(message);) {
       ImuSample sample;
       if (const std::string why = decode::decode_imu(message.bytes, sample); !why.empty()) {
-        if (samples.empty()) throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where, why));
+        if (first) throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where, why));
         continue;
       }
-      samples.push_back(sample);
-      if (sample.t - samples.front().t > kJudgedImuSpan) break;
+      first = false;
+      more = beginning.add(sample, message.time);
     }
-    if (samples.empty()) fail_without(where, "IMU sample");
-    units_ = decode::judge_imu_units(samples, sensor, where);
+    beginning.finish();
+    if (beginning.samples().empty()) fail_without(where, "IMU sample");
+    units_ = decode::judge_imu_units(beginning.samples(), sensor, where);
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
-    note_imu_rate(samples, notes_);
-    begin_ = samples.front().t - units_.delay;
+    note_imu_rate(beginning.samples(), notes_);
+    imu_clock_ = beginning.clock();
+    begin_ = imu_clock_.begin() - units_.delay;
   }
 
   void judge_lidar(const std::string& topic) {
+    lidar_clock_ = judge_clock(reader_, lidar_ids_, kClockMessages);
     reader_.select(lidar_ids_);
     BagMessage message;
     bool judged = false;
     std::size_t seen = 0;
     for (; !judged && seen < kJudgedMessages && reader_.next(message); ++seen) {
-      if (const auto stamp = decode::header_stamp(message.bytes); seen == 0 && stamp) begin_ = std::min(begin_, *stamp);
+      const auto stamp = decode::header_stamp(message.bytes);
+      if (seen == 0 && stamp) begin_ = std::min(begin_, lidar_clock_.begin());
+      if (stamp && lidar_clock_.far_off(*stamp, message.time)) continue;
       judged = decoder_->judge(message.bytes, notes_);
     }
     if (seen == 0) fail_without(fmt::format("{}: {}", path_.string(), topic), "LiDAR message");
     if (!judged) decoder_->assume(notes_);
+  }
+
+  /// Odometry with the stamps of two clocks would fail later, and not say why.
+  void compare_clocks(const std::string& imu_topic, const std::string& lidar_topic, double sweep_period) {
+    if (!imu_clock_.offset()) return;
+    const TimeNs imu = *imu_clock_.offset() - units_.delay;
+    const TimeNs most = std::max(kClocksApart, to_ns(2 * sweep_period));  // a sweep is stamped when it begins
+    const auto apart = [imu](const StampClock& lidar) { return std::abs(imu - lidar.offset().value_or(imu)); };
+    if (apart(lidar_clock_) <= most) return;
+    // The first few may have waited for the recorder to start.
+    const StampClock lidar = judge_clock(reader_, lidar_ids_, kJudgedMessages);
+    if (apart(lidar) <= most) return;
+    const auto lie = [](TimeNs offset) {
+      return fmt::format("{:.3f} s {} the times of recording", to_seconds(std::abs(offset)),
+                         offset < 0 ? "before" : "after");
+    };
+    throw DataError(fmt::format(
+        "{}: the stamps of IMU topic '{}' and of LiDAR topic '{}' are of clocks {:.3f} s apart (at most {} s): the "
+        "former lie {}, the latter {}; those of '{}' look off: record both topics with one clock, or correct these "
+        "stamps (`imu_delay` of the sensor file takes out a known offset of up to {} s); if they are right and only "
+        "recorded so late, write the bag anew with them as times of recording",
+        path_.string(), imu_topic, lidar_topic, to_seconds(apart(lidar)), to_seconds(most), lie(imu),
+        lie(*lidar.offset()), std::abs(imu) > std::abs(*lidar.offset()) ? imu_topic : lidar_topic,
+        SensorConfig::kMostDelay));
   }
 
   void set_section(const Section& section) {
@@ -274,6 +309,7 @@ class BagSource final : public MeasurementSource {
   std::unique_ptr<LidarDecoder> decoder_;
   std::vector<std::uint32_t> lidar_ids_, imu_ids_;
   decode::ImuUnits units_;
+  StampClock imu_clock_, lidar_clock_;  ///< of the stamps as sent
   SourceNotes notes_;
   TimeNs begin_ = 0, end_ = 0, from_ = kTimeMin, until_ = kTimeMax;
   bool section_ended_ = false;  ///< all of it has been read

@@ -2,7 +2,52 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace aslio::io {
+
+bool ImuBeginning::add(const ImuSample& sample, TimeNs recorded) {
+  if (enough_) return false;
+  if (clock_judged_ && clock_.far_off(sample.t, recorded)) {
+    enough_ = recorded > begun_ + 2 * kJudgedImuSpan;  // the clock has been set
+  } else if (clock_judged_) {
+    take(sample, recorded);
+  } else {
+    wait(sample, recorded);
+  }
+  return !enough_;
+}
+
+void ImuBeginning::wait(const ImuSample& sample, TimeNs recorded) {
+  constexpr std::size_t kMostWaiting = 4000;  // where the times of recording do not go on
+  if (samples_.empty()) begun_ = recorded;
+  clock_.add(sample.t, recorded);
+  samples_.push_back(sample);
+  recorded_.push_back(recorded);
+  if (recorded - begun_ > kJudgedImuSpan || recorded_.size() >= kMostWaiting) judge_clock();
+}
+
+void ImuBeginning::finish() {
+  if (!clock_judged_) judge_clock();
+}
+
+void ImuBeginning::judge_clock() {
+  clock_judged_ = true;
+  clock_.judge();
+  const std::vector<ImuSample> waiting = std::exchange(samples_, {});
+  for (std::size_t i = 0; i < waiting.size() && !enough_; ++i) {
+    if (!clock_.far_off(waiting[i].t, recorded_[i])) take(waiting[i], recorded_[i]);
+  }
+  recorded_.clear();
+}
+
+void ImuBeginning::take(const ImuSample& sample, TimeNs recorded) {
+  const TimeNs end = samples_.empty() ? kTimeMax : samples_.front().t + kJudgedImuSpan;
+  // A single stamp that is ahead, though not far, ends nothing.
+  if (sample.t > end && clock_.offset() && recorded + *clock_.offset() < end - kSecond / 2) return;
+  samples_.push_back(sample);
+  enough_ = samples_.size() >= kJudgedImuSamples || sample.t > end;
+}
 
 void note_imu_rate(std::span<const ImuSample> samples, SourceNotes& notes) {
   constexpr double kSlow = 50.0;  // Hz

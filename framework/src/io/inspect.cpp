@@ -12,6 +12,7 @@
 #include "imu_rate.hpp"
 #include "kitti_drive.hpp"
 #include "lidar_decoder.hpp"
+#include "stamp_clock.hpp"
 #include "topic_statistics.hpp"
 
 namespace aslio::io {
@@ -30,11 +31,20 @@ class TopicProbe {
     is_cloud_ = connection.md5 == rosbag::kPointCloud2.md5;
   }
 
+  void add_connection(std::uint32_t id) { ids_.push_back(id); }
+
+  /// Before the first message.
+  void look_at_clock(rosbag::BagReader& reader) {
+    constexpr std::size_t kMessages = 5;
+    if (report_.role == TopicRole::lidar) clock_ = judge_clock(reader, ids_, kMessages);
+  }
+
   void add(const rosbag::BagMessage& message) {
     const bool stamped = report_.role != TopicRole::other;
-    statistics_.add(stamped ? decode::header_stamp(message.bytes).value_or(message.time) : message.time);
-    if (report_.role == TopicRole::imu) add_imu(message.bytes);
-    if (report_.role == TopicRole::lidar) add_lidar(message.bytes);
+    const TimeNs stamp = stamped ? decode::header_stamp(message.bytes).value_or(message.time) : message.time;
+    statistics_.add(stamp);
+    if (report_.role == TopicRole::imu) add_imu(message);
+    if (report_.role == TopicRole::lidar) add_lidar(message.bytes, clock_.far_off(stamp, message.time));
   }
 
   TopicReport finish() {
@@ -52,24 +62,23 @@ class TopicProbe {
   }
 
  private:
-  void add_imu(decode::Bytes bytes) {
+  void add_imu(const rosbag::BagMessage& message) {
     ImuSample sample;
-    if (!decode::decode_imu(bytes, sample).empty()) {
+    if (!decode::decode_imu(message.bytes, sample).empty()) {
       ++report_.malformed;
       return;
     }
     gyro_range_.add(sample.gyro);
-    if (samples_.size() < kJudgedImuSamples && (samples_.empty() || sample.t - samples_.front().t <= kJudgedImuSpan)) {
-      samples_.push_back(sample);
-    }
+    beginning_.add(sample, message.time);
   }
 
   void judge_imu() {
+    beginning_.finish();
     try {
-      const decode::ImuUnits units = decode::judge_imu_units(samples_, sensor_, where_);
+      const decode::ImuUnits units = decode::judge_imu_units(beginning_.samples(), sensor_, where_);
       notes_.verdicts = units.verdicts;
       notes_.warnings = units.warnings;
-      note_imu_rate(samples_, notes_);
+      note_imu_rate(beginning_.samples(), notes_);
       for (const std::string& text : {gyro_range_.beyond(units), gyro_range_.doubt(sensor_.gyro_unit)}) {
         if (!text.empty()) notes_.warnings.push_back(text);
       }
@@ -78,7 +87,7 @@ class TopicProbe {
     }
   }
 
-  void add_lidar(decode::Bytes bytes) {
+  void add_lidar(decode::Bytes bytes, bool stamp_far_off) {
     if (is_cloud_ && report_.fields.empty()) {
       decode::CloudView view;
       bool systematic = false;
@@ -86,7 +95,7 @@ class TopicProbe {
       report_.fields = view.table.all_names;
     }
     try {
-      if (!judged_ && report_.problem.empty()) judged_ = decoder_->judge(bytes, notes_);
+      if (!judged_ && report_.problem.empty() && !stamp_far_off) judged_ = decoder_->judge(bytes, notes_);
     } catch (const DataError& error) {
       report_.problem = error.what();
     }
@@ -114,7 +123,9 @@ class TopicProbe {
   TopicStatistics statistics_;
   SourceNotes notes_;
   std::unique_ptr<LidarDecoder> decoder_;
-  std::vector<ImuSample> samples_;
+  std::vector<std::uint32_t> ids_;
+  StampClock clock_;  ///< of a LiDAR
+  ImuBeginning beginning_;
   decode::GyroRange gyro_range_;
   LidarPacket packet_;
   std::uint64_t points_ = 0;
@@ -127,11 +138,16 @@ void inspect_bag(const std::filesystem::path& path, const SensorConfig& sensor, 
   report.bytes = std::filesystem::file_size(path);
   std::map<std::string, std::unique_ptr<TopicProbe>> probes;  // several connections may share a topic
   std::map<std::uint32_t, TopicProbe*> by_id;
+  std::vector<std::uint32_t> all;
   for (const rosbag::Connection& c : reader.connections()) {
     auto& probe = probes[c.topic + '\0' + c.md5];
     if (!probe) probe = std::make_unique<TopicProbe>(c, sensor, fmt::format("{}: {}", path.string(), c.topic));
     by_id[c.id] = probe.get();
+    probe->add_connection(c.id);
+    all.push_back(c.id);
   }
+  for (auto& [key, probe] : probes) probe->look_at_clock(reader);
+  reader.select(all);
   rosbag::BagMessage message;
   while (reader.next(message)) by_id.at(message.connection)->add(message);
   for (auto& [key, probe] : probes) report.topics.push_back(probe->finish());

@@ -55,17 +55,19 @@ std::optional<TimeNs> parse_time(std::string_view text) {
   return ((days * 24 + hour) * 60 + minute) * 60 * kSecond + second * kSecond + fraction;
 }
 
-std::vector<TimeNs> read_times(const fs::path& path) {
+/// By the number of the frame. An empty line stands for a frame that was lost, so that later ones keep their number; at
+/// the end of the list it stands for nothing.
+std::vector<std::optional<TimeNs>> read_times(const fs::path& path) {
   std::ifstream file = open(path);
-  std::vector<TimeNs> times;
+  std::vector<std::optional<TimeNs>> times;
   std::string line;
   while (std::getline(file, line) && times.size() < kMostFrames) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.empty()) continue;
     const auto t = parse_time(line);
-    if (!t) bad_line(path, times.size() + 1, line, "a time like 2011-09-26 13:04:32.335337762");
-    times.push_back(*t);
+    if (!t && !line.empty()) bad_line(path, times.size() + 1, line, "a time like 2011-09-26 13:04:32.335337762");
+    times.push_back(t);
   }
+  while (!times.empty() && !times.back()) times.pop_back();
   return times;
 }
 
@@ -87,9 +89,17 @@ std::vector<double> numbers(std::string_view text) {
 
 std::string numbered(std::size_t index, const char* extension) { return fmt::format("{:010d}{}", index, extension); }
 
+/// Frame `i` has no time in `list`.
+[[noreturn]] void no_time(const fs::path& list, std::size_t i, const fs::path& data) {
+  throw DataError(fmt::format(
+      "{}:{}: the line is empty, which marks a lost frame, but there is {}; put its time there, or remove that file",
+      list.string(), i + 1, data.string()));
+}
+
 void read_oxts(const fs::path& folder, KittiDrive& drive) {
   constexpr std::size_t kAcc = 11, kGyro = 17, kColumns = 20;
-  const std::vector<TimeNs> times = read_times(folder / "timestamps.txt");
+  const fs::path list = folder / "timestamps.txt";
+  const std::vector<std::optional<TimeNs>> times = read_times(list);
   std::string line;
   for (std::size_t i = 0; i < times.size(); ++i) {
     const fs::path path = folder / "data" / numbered(i, ".txt");
@@ -98,34 +108,35 @@ void read_oxts(const fs::path& folder, KittiDrive& drive) {
       ++drive.missing_imu;
       continue;
     }
+    if (!times[i]) no_time(list, i, path);
     std::ifstream file = open(path);
     std::getline(file, line);
     const std::vector<double> v = numbers(line);
     if (v.size() < kColumns) bad_line(path, 1, line, "a line of at least 20 numbers (OXTS packet)");
     drive.imu.push_back(
-        {times[i], Vec3(v[kGyro], v[kGyro + 1], v[kGyro + 2]), Vec3(v[kAcc], v[kAcc + 1], v[kAcc + 2])});
+        {*times[i], Vec3(v[kGyro], v[kGyro + 1], v[kGyro + 2]), Vec3(v[kAcc], v[kAcc + 1], v[kAcc + 2])});
   }
 }
 
 void read_scan_list(const fs::path& folder, KittiDrive& drive) {
-  const std::vector<TimeNs> begin = read_times(folder / "timestamps_start.txt");
-  const std::vector<TimeNs> end = read_times(folder / "timestamps_end.txt");
+  const fs::path begin_list = folder / "timestamps_start.txt", end_list = folder / "timestamps_end.txt";
+  const std::vector<std::optional<TimeNs>> begin = read_times(begin_list), end = read_times(end_list);
   if (begin.size() != end.size()) {
     throw DataError(fmt::format("{}: timestamps_start.txt has {} times, timestamps_end.txt {}", folder.string(),
                                 begin.size(), end.size()));
   }
   for (std::size_t i = 0; i < begin.size(); ++i) {
-    if (end[i] <= begin[i]) {
-      throw DataError(
-          fmt::format("{}:{}: the scan ends before it begins", (folder / "timestamps_end.txt").string(), i + 1));
+    if (begin[i] && end[i] && *end[i] <= *begin[i]) {
+      throw DataError(fmt::format("{}:{}: the scan ends before it begins", end_list.string(), i + 1));
     }
     const fs::path path = folder / "data" / numbered(i, ".bin");
     std::error_code ignored;
-    if (fs::exists(path, ignored)) {
-      drive.scans.push_back({begin[i], end[i], path});
-    } else {
+    if (!fs::exists(path, ignored)) {
       ++drive.missing_scans;
+      continue;
     }
+    if (!begin[i] || !end[i]) no_time(begin[i] ? end_list : begin_list, i, path);
+    drive.scans.push_back({*begin[i], *end[i], path});
   }
 }
 

@@ -18,10 +18,10 @@ struct KittiScan {
 
 struct KittiDrive {
   std::filesystem::path folder;
-  std::vector<KittiScan> scans;  ///< by number; those whose file is missing are left out
-  std::vector<ImuSample> imu;    ///< of the OXTS unit, in the units of its files [rad/s, m/s^2]
-  std::size_t missing_scans = 0, missing_imu = 0;
-  std::optional<Pose> T_imu_velo;  ///< from calib_imu_to_velo.txt, inverted
+  std::vector<KittiScan> scans;                    ///< by number; those that are missing are left out
+  std::vector<ImuSample> imu;                      ///< of the OXTS unit, in the units of its files [rad/s, m/s^2]
+  std::size_t missing_scans = 0, missing_imu = 0;  ///< listed, with a time or an empty line, but without a file
+  std::optional<Pose> T_imu_velo;                  ///< from calib_imu_to_velo.txt, inverted
 };
 
 /// The drive folder that `path` is or contains (a date folder, or the root above); nullopt when it is no KITTI folder.

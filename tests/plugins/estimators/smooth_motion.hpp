@@ -28,6 +28,14 @@ inline ImuSample smooth_sample(double seconds) {
   return s;
 }
 
+/// What is known of an IMU with these biases.
+inline NavState biased(const Vec3& b_w, const Vec3& b_a) {
+  NavState known;
+  known.b_w = b_w;
+  known.b_a = b_a;
+  return known;
+}
+
 /// Where the motion leads from `from`.
 inline NavState carried(const NavState& from, const Preintegration& m) {
   NavState to = from;

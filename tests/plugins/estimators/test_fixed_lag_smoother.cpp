@@ -1,6 +1,7 @@
 // A registration with a smoother behind it: velocity and biases come from the smoother, and what is no state of a
 // vehicle starts it anew.
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "aslio/core/errors.hpp"
 #include "plugins/estimators/room_filter.hpp"
@@ -91,6 +92,38 @@ TEST_CASE("fixed_lag_smoother predicts with what it has found") {
   const NavState ahead = filter.estimator->predict(next.imu);
   CHECK(ahead.t == next.window.plan.end);
   CHECK((ahead.p - filter.update(next).prior.p).norm() < 1e-9);
+}
+
+TEST_CASE("fixed_lag_smoother: what its front finds of the gyro's scale is not found again as a bias") {  // eq. MOT-6
+  const double scale_error = 0.02, rate = 1.0;
+  Filter filter(
+      {smoother(", sigma_rotation: 0.002, gyro_bias_walk: 1e-3, "
+                "front: {type: ieskf, noise: physical, gyro_calibration: full}")});
+  filter.build_map(1);
+  // At rest first, which tells the bias: none.
+  constexpr int rest = 10;
+  filter.initial.state.t = kRoomEpoch - rest * kTenth;
+  filter.estimator->reset(filter.initial);
+  const TurningRoom motion{.rate = Vec3(0, 0, rate), .gyro_error = Vec3(0, 0, scale_error)};
+  for (int k = -rest; k < 30; ++k) {
+    const TimeNs begin = kRoomEpoch + k * kTenth;
+    const auto sequence = static_cast<std::uint32_t>(k + rest + 2);
+    const Update& update = k < 0 ? filter.update(RoomWindow(begin, kTenth, Pose{}, sequence, 3000))
+                                 : filter.update(RoomWindow(begin, kTenth, motion, sequence));
+    CAPTURE(k);
+    REQUIRE(update.accepted);
+    const NavState& found = filter.estimator->state();
+    CAPTURE(found.S_w(2, 2), found.b_w.z());
+    if (k < 10) continue;
+    CHECK(std::abs(found.b_w.z()) < 0.1 * scale_error * rate);
+    CHECK(found.S_w(2, 2) == Approx(scale_error).epsilon(0.1));
+  }
+}
+
+TEST_CASE("fixed_lag_smoother refuses a front that begins anew with what it is told") {
+  for (const std::string front : {"{type: smoother}", "{type: fixed_lag_smoother}"}) {
+    CHECK_THROWS_WITH(Filter({smoother(", front: " + front)}), Catch::Contains("never smooths"));
+  }
 }
 
 TEST_CASE("fixed_lag_smoother refuses a front without IMU") {

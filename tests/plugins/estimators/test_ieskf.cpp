@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 #include <map>
+#include <span>
 
 #include "plugins/estimators/room_filter.hpp"
 #include "plugins/estimators/watched_map.hpp"
@@ -321,6 +322,40 @@ TEST_CASE("deskew_correction state: within one window, the velocity shows") {  /
     if (rule == "state") CHECK(error < 0.01);
     if (rule == "rigid") CHECK(error > 0.05);  // the end alone says where the mean of the window was
     CHECK((off_the_walls(update) < 0.002) == (rule == "state"));
+  }
+}
+
+TEST_CASE("the states inside a window are on its corrected path, and know what its end knows") {  // eqs. DSK-2, DSK-3
+  const TurningRoom motion{.rate = Vec3(0, 0, 3.0), .gyro_error = Vec3(0, 0, 0.02), .drift = Vec3(0.5, -0.3, 0.1)};
+  for (const std::string rule : {"rigid", "linear", "asymptotic", "state"}) {
+    CAPTURE(rule);
+    Filter filter(
+        {"estimator.deskew_correction=" + rule, "estimator.gyro_calibration=full", "estimator.noise=physical"}, 3.0);
+    filter.build_map(1);
+    const RoomWindow room(kRoomEpoch, kTenth, motion, 2);
+    std::vector<Vec3> predicted;
+    for (std::size_t n = 2; n <= room.imu.size(); ++n) {
+      predicted.push_back(filter.estimator->predict(std::span(room.imu).first(n)).v);
+    }
+    const Update& update = filter.update(room);
+    REQUIRE(update.accepted);
+    REQUIRE(update.states.size() == predicted.size());
+    const Vec3 faster = update.state.v - update.prior.v;
+    REQUIRE(faster.norm() > 0.1);
+    REQUIRE(update.state.b_w != update.prior.b_w);
+    for (std::size_t i = 0; i < update.states.size(); ++i) {
+      const NavState& inside = update.states[i];
+      CAPTURE(i);
+      CHECK(inside.t == room.imu[i + 1].t);
+      const Pose there = update.trajectory->pose(inside.t);
+      CHECK((inside.p - there.p).norm() < 1e-12);
+      CHECK((inside.R - there.R).norm() < 1e-12);
+      CHECK(inside.b_w == update.state.b_w);
+      CHECK(inside.S_w == update.state.S_w);
+      if (rule == "state") continue;  // read again with what has been found
+      const double share = rule == "rigid" ? 1.0 : static_cast<double>(i + 1) / static_cast<double>(predicted.size());
+      CHECK((inside.v - predicted[i] - share * faster).norm() < 1e-12);
+    }
   }
 }
 

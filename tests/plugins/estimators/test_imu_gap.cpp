@@ -28,7 +28,7 @@ TEST_CASE("a gap of the IMU: attitude and velocity are known worse by what was n
   const std::string estimator =
       GENERATE(as<std::string>{}, "{type: ieskf, noise: physical}", "{type: ieskf, noise: fastlio}",
                "{type: ct_icp, prediction: imu, noise: physical}", "{type: ieskf, noise: rate_scaled}",
-               "{type: smoother, noise: physical}");
+               "{type: smoother, noise: physical}", "{type: fixed_lag_smoother}");
   CAPTURE(estimator);
   const auto [gap, of] = GENERATE(table<double, double>({{0.05, 0.05}, {0.4, 0.4}, {1.0, 0.4}}));
   CAPTURE(gap);

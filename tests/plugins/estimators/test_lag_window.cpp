@@ -7,10 +7,13 @@
 #include <random>
 
 #include "estimators/lag_window.hpp"
+#include "motions/imu_midpoint.hpp"
+#include "plugins/build_environment.hpp"
 #include "plugins/estimators/smooth_motion.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
+using plugins::ImuMidpoint;
 
 namespace {
 
@@ -89,7 +92,7 @@ TEST_CASE("preintegration leads where numeric integration does, ever nearer with
     const NavState from = random.state(), truth = integrated(from, 0.5);
     double last = 0;
     for (const int count : {50, 100, 200}) {
-      const Preintegration m(samples(0.5, count), from.b_w, from.b_a, {});
+      const Preintegration m(samples(0.5, count), from, {});
       CHECK(m.seconds == Approx(0.5));
       const NavState to = carried(from, m);
       const double error =
@@ -101,18 +104,37 @@ TEST_CASE("preintegration leads where numeric integration does, ever nearer with
   }
 }
 
+TEST_CASE("preintegration reads a gyro with errors of its sensitivity, and an IMU that is late, as the motions do") {
+  // eqs. PRE-1, MOT-6
+  BuildEnvironment environment;
+  const ImuMidpoint motion({}, environment.context());
+  Random random;
+  for (int trial = 0; trial < 3; ++trial) {
+    NavState from = random.state();
+    if (trial != 1) from.S_w << random.vector(0.05), random.vector(0.05), random.vector(0.05);
+    if (trial != 2) from.imu_delay = random(0.01);
+    const auto imu = samples(0.5, 50);
+    NavState to = from;
+    for (std::size_t i = 1; i < imu.size(); ++i) motion.step(to, imu[i - 1], imu[i]);
+    const NavState found = carried(from, Preintegration(imu, from, {}));
+    CHECK((found.p - to.p).norm() < 1e-12);  // rounding: 20 m
+    CHECK((found.v - to.v).norm() < 1e-13);
+    CHECK(log_so3(found.R.transpose() * to.R).norm() < 1e-13);
+  }
+}
+
 TEST_CASE("preintegration: derivatives for the biases are those of central differences") {  // eq. PRE-2
   Random random;
   const auto imu = samples(0.4, 80);
   const Vec3 b_w = random.vector(0.1), b_a = random.vector(0.5);
-  const Preintegration m(imu, b_w, b_a, {});
+  const Preintegration m(imu, biased(b_w, b_a), {});
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 step = 1e-5 * Vec3::Unit(axis);
-    const Preintegration up(imu, b_w + step, b_a, {}), down(imu, b_w - step, b_a, {});
+    const Preintegration up(imu, biased(b_w + step, b_a), {}), down(imu, biased(b_w - step, b_a), {});
     CHECK((log_so3(m.dR.transpose() * up.dR) / 1e-5 - m.dR_bw.col(axis)).norm() < 1e-5);
     CHECK(((up.dv - down.dv) / 2e-5 - m.dv_bw.col(axis)).norm() < 1e-7);
     CHECK(((up.dp - down.dp) / 2e-5 - m.dp_bw.col(axis)).norm() < 1e-7);
-    const Preintegration more(imu, b_w, b_a + step, {}), less(imu, b_w, b_a - step, {});
+    const Preintegration more(imu, biased(b_w, b_a + step), {}), less(imu, biased(b_w, b_a - step), {});
     CHECK(((more.dv - less.dv) / 2e-5 - m.dv_ba.col(axis)).norm() < 1e-7);
     CHECK(((more.dp - less.dp) / 2e-5 - m.dp_ba.col(axis)).norm() < 1e-7);
   }
@@ -128,7 +150,7 @@ TEST_CASE("preintegration: the covariance is that of many noisy recordings") {  
   const auto imu = samples(0.5, 50);
   // Noise of the mean of two samples, as an interval sees it: every interval has its own.
   InertialNoise noise{.gyro = 0.02, .acc = 0.2, .integration = 1e-9};
-  const Preintegration truth(imu, Vec3::Zero(), Vec3::Zero(), noise);
+  const Preintegration truth(imu, NavState{}, noise);
   Preintegration::Mat9 found = Preintegration::Mat9::Zero();
   const int runs = 4000;
   for (int run = 0; run < runs; ++run) {
@@ -140,7 +162,7 @@ TEST_CASE("preintegration: the covariance is that of many noisy recordings") {  
       const Vec3 n_w = noise.gyro / std::sqrt(dt) * Vec3(normal(), normal(), normal());
       const Vec3 n_a = noise.acc / std::sqrt(dt) * Vec3(normal(), normal(), normal());
       const std::vector<ImuSample> pair{imu[i - 1], imu[i]};
-      x = carried(x, Preintegration(pair, n_w, n_a, noise));
+      x = carried(x, Preintegration(pair, biased(n_w, n_a), noise));
     }
     Eigen::Matrix<double, 9, 1> off;
     off << log_so3(truth.dR.transpose() * x.R), x.p - truth.dp, x.v - truth.dv;
@@ -158,7 +180,8 @@ TEST_CASE("rows of the smoother: Jacobians are those of central differences") { 
   Random random;
   for (int trial = 0; trial < 10; ++trial) {
     const NavState i = random.state();
-    const Preintegration m(samples(0.3, 60), i.b_w + random.vector(0.01), i.b_a + random.vector(0.05), {});
+    const NavState known = biased(i.b_w + random.vector(0.01), i.b_a + random.vector(0.05));
+    const Preintegration m(samples(0.3, 60), known, {});
     const NavState j = moved(carried(i, m), 0.1 * Vec15::Random());
     InertialTerm inertial(0, m, i.g, {});
     CHECK(jacobian_error(inertial, i, j) < 1e-6);
@@ -183,13 +206,13 @@ struct Walk {
     for (int k = 0; k < windows; ++k) {
       std::vector<ImuSample> imu;
       for (int i = 0; i <= 20; ++i) imu.push_back(smooth_sample(0.1 * k + 0.005 * i));
-      const NavState next = carried(states.back(), Preintegration(imu, Vec3::Zero(), Vec3::Zero(), {}));
+      const NavState next = carried(states.back(), Preintegration(imu, NavState{}, {}));
       states.push_back(next);
       for (ImuSample& s : imu) {
         s.gyro += Vec3(0.01, -0.02, 0.015);
         s.acc += Vec3(0.1, -0.05, 0.08);
       }
-      motions.emplace_back(imu, Vec3::Zero(), Vec3::Zero(), InertialNoise{});
+      motions.emplace_back(imu, NavState{}, InertialNoise{});
     }
   }
 };

@@ -27,7 +27,7 @@ struct Chain {
     for (int k = 0; k < kWindows; ++k) {
       std::vector<ImuSample> imu;
       for (int i = 0; i <= 20; ++i) imu.push_back(smooth_sample(0.1 * k + 0.005 * i));
-      motions.emplace_back(imu, Vec3::Zero(), Vec3::Zero(), InertialNoise{});
+      motions.emplace_back(imu, NavState{}, InertialNoise{});
       const NavState to = carried(guess.back(), motions.back());
       guess.push_back(to);
       // Registrations that disagree with the IMU, and with each other.

@@ -73,6 +73,30 @@ TEST_CASE("smoother: slices count while they reach into the window, and not afte
   CHECK(filter.update(RoomWindow(kRoomEpoch + 10 * step, step, motion, 12)).history_matches == 0);
 }
 
+TEST_CASE("smoother: slices of earlier updates match nothing that entered the map with them or later") {  // eq. HIS-1
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.5), .drift = Vec3(0.4, 0.2, 0)};
+  constexpr TimeNs step = kTenth / 4;
+  for (const std::uint32_t stamp : {1U, 2U, 4U}) {
+    CAPTURE(stamp);
+    Filter filter({kSmoother}, 3.0);
+    filter.build_map(stamp);  // as if inserted at that update
+    for (std::uint32_t k = 2; k < 10; ++k) {
+      RoomWindow room(kRoomEpoch + (k - 2) * step, step, motion, k, 800);
+      // Half of the slice of update k - 2 has left; the rest is still matched, so that its stamp is too young.
+      room.window.plan.history_begin = std::max(kRoomEpoch, room.window.plan.fresh_begin - 3 * step / 2);
+      const Update& update = filter.update(room);
+      CAPTURE(k);
+      REQUIRE(update.accepted);
+      CHECK(update.fresh_matches > 700);
+      const std::uint32_t oldest = std::max(2U, k - 2);
+      const std::uint32_t kept = k - oldest;
+      CHECK(update.history_matches <= kept * 800);
+      CHECK((update.history_matches > kept * 700) == (kept > 0 && stamp < oldest));
+      if (stamp >= oldest) CHECK(update.history_matches == 0);
+    }
+  }
+}
+
 TEST_CASE("smoother: points go where the slices that measured them go, until they leave") {
   const TurningRoom motion{.rate = Vec3(0, 0, 0.5), .drift = Vec3(1.5, -0.8, 0)};
   // A pose is not sure of itself after one look: later ones move it.

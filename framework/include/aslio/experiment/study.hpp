@@ -84,15 +84,16 @@ const std::vector<std::string>& study_metrics();
 
 /// One recording of the study: a dataset file, or a scene with a seed that is still to be simulated.
 struct StudyData {
-  std::string name;                          ///< of its folder: that of the sequence, with _SEED when simulated
-  std::string sequence;                      ///< what tables call it
-  std::optional<std::uint64_t> seed;         ///< of the simulation
-  std::filesystem::path scene;               ///< empty for a recording
-  std::vector<std::string> set;              ///< overrides of the scene
-  double scale = 1;                          ///< of the scene
-  std::filesystem::path dataset;             ///< empty for a scene
-  std::vector<std::filesystem::path> texts;  ///< what was read of it before: the scene, or the files of a recording
-  std::string identity;                      ///< SHA-256 of everything that makes these data what they are
+  std::string name;                   ///< of its folder: that of the sequence, with _SEED when simulated
+  std::string sequence;               ///< what tables call it
+  std::optional<std::uint64_t> seed;  ///< of the simulation
+  std::filesystem::path scene;        ///< empty for a recording
+  std::vector<std::string> set;       ///< overrides of the scene
+  double scale = 1;                   ///< of the scene
+  std::filesystem::path dataset;      ///< empty for a scene
+  std::vector<std::filesystem::path>
+      texts;             ///< what was read of it before: the scene and what it reads, or the files of a recording
+  std::string identity;  ///< SHA-256 of everything that makes these data what they are
 };
 
 /// One method: a pipeline with overrides, at one point of the grid of axes.
@@ -121,8 +122,9 @@ struct Study {
   std::vector<std::uint64_t> order_seeds;
   /// By method: the one to compare it with, if any. A baseline with axes: the variant at the same values.
   std::vector<std::optional<std::size_t>> baseline;
-  std::string resolved;  ///< YAML with every key at its effective value
-  /// SHA-256 of StudyData::texts and pipelines as they were read.
+  std::string resolved;                        ///< YAML with every key at its effective value
+  std::vector<std::filesystem::path> plugins;  ///< that every run loads; given by the caller
+  /// SHA-256 of StudyData::texts, pipelines and plugins as they were read.
   std::map<std::filesystem::path, std::string> sources;
 };
 
@@ -135,10 +137,14 @@ std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMe
 /// Of those, the ones that neither `set`, the axes nor `differs` of either names.
 std::vector<std::string> unnamed_keys(const StudyMethod& method, const StudyMethod& baseline);
 
+struct ResolvedScene {
+  std::string text;                          ///< effective, with digests of all that makes its data
+  std::vector<std::filesystem::path> files;  ///< that it reads besides itself: a mesh, poses to follow
+};
+
 struct StudyReading {
-  /// Effective text of a scene with overrides and of every file it reads. Throws ConfigError. Given by the caller:
-  /// the framework does not know the simulator.
-  std::function<std::string(const std::filesystem::path& scene, const std::vector<std::string>& set)> resolve_scene;
+  /// A scene with overrides. Throws ConfigError. Given by the caller: the framework does not know the simulator.
+  std::function<ResolvedScene(const std::filesystem::path& scene, const std::vector<std::string>& set)> resolve_scene;
   std::optional<std::vector<std::uint64_t>> seeds;  ///< in place of those of every scene
   double scale = 1;                                 ///< of every scene
 };

@@ -61,6 +61,10 @@ struct StudyResult {
 /// Whether a call with these options keeps an earlier outcome.
 bool stands(const StudyOutcome& outcome, const Study& study, const StudyOptions& options);
 
+/// By run: its row stands, and so do those of the runs whose files it reads, which ended by themselves.
+std::vector<bool> standing_runs(const Study& study, const StudyOptions& options, const std::vector<StudyRun>& runs,
+                                const std::vector<std::optional<StudyRow>>& rows);
+
 /// What an earlier call with the same data, configuration and program has left in `output`. Rows whose outcome does
 /// not stand are made again. `recording`: of this one alone, unless empty.
 std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::vector<StudyRun>& runs,

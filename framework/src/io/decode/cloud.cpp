@@ -162,6 +162,17 @@ const Unit* unit_of(double span, double sweep_period) {
   return found == kUnits.end() ? nullptr : &*found;
 }
 
+/// Why a known rule does not serve for a cloud; empty where it does. One without points has no time to lose.
+std::string unlike(const CloudView& view, const CloudTimeRule& rule) {
+  const CloudTable& table = view.table;
+  if (!rule.known || table.time.datatype == rule.datatype || view.width == 0 || view.height == 0) return {};
+  if (!table.time.present()) {
+    return fmt::format("it has no time field, which clouds before it have (fields: {})", table.all_names);
+  }
+  return fmt::format("its time field '{}' is {}, that of clouds before it {}", table.time_name,
+                     kNames[table.time.datatype], kNames[rule.datatype]);
+}
+
 }  // namespace
 
 std::string parse_cloud(Bytes message, CloudView& view, bool& systematic) {
@@ -241,6 +252,7 @@ CloudTimeRule judge_cloud_times(const CloudView& view, double sweep_period) {
     return rule;
   }
   rule.known = true;
+  rule.datatype = table.time.datatype;
   rule.to_ns = unit->to_ns;
   rule.absolute = absolute < relative;
   const double shift = rule.absolute ? stamp : 0.0;
@@ -253,11 +265,12 @@ CloudTimeRule judge_cloud_times(const CloudView& view, double sweep_period) {
 
 std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPacket& packet) {
   const CloudTable& table = view.table;
-  const bool timed = rule.time.known && table.time.present();
+  const bool timed = rule.time.known;
   const bool filter_tags = rule.tag_filter && table.tag.present() && table.livox_lines;
   const double longest = static_cast<double>(rule.longest_offset);
   packet.stamp = view.stamp;
   packet.points.clear();
+  if (std::string why = unlike(view, rule.time); !why.empty()) return why;
   packet.points.reserve(static_cast<std::size_t>(view.width) * view.height);
   TimeNs first = kTimeMax, last = kTimeMin;
   each_point(view, [&](const std::uint8_t* from) {

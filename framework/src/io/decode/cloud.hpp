@@ -35,9 +35,10 @@ std::string parse_cloud(Bytes message, CloudView& view, bool& systematic);
 
 struct CloudTimeRule {
   bool known = false;
-  double to_ns = 1;       ///< field value times this is ns
-  bool absolute = false;  ///< otherwise relative to the header stamp
-  std::string verdict;    ///< what was decided, or why it cannot be known
+  double to_ns = 1;           ///< field value times this is ns
+  bool absolute = false;      ///< otherwise relative to the header stamp
+  std::uint8_t datatype = 0;  ///< of the time field it was judged by
+  std::string verdict;        ///< what was decided, or why it cannot be known
 };
 
 /// Decides unit and reference of the time field by the span of one cloud against the sweep period [s].
@@ -50,7 +51,8 @@ struct CloudRule {
   TimeNs longest_offset = kSecond;  ///< points farther from the stamp are damage
 };
 
-/// Points of one cloud. With a known time rule, a cloud whose points all share one time is refused (zero-filled field).
+/// Points of one cloud. With a known time rule, a cloud is refused that lacks its field or has it in another type, and
+/// one whose points all share one time (zero-filled field).
 std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPacket& packet);
 
 }  // namespace aslio::io::decode

@@ -91,6 +91,9 @@ std::string ChunkLoader::list(ByteView& view, std::uint64_t begin, std::uint64_t
       if (!record.connection || !record.time) return "a message record has no connection or no time";
       const std::uint32_t id = *record.connection;
       if (!known.contains(id)) return fmt::format("a message names connection {}, which does not exist", id);
+      ++out.messages;
+      out.begin = std::min(out.begin, *record.time);
+      out.end = std::max(out.end, *record.time);
       if (wanted != nullptr && !std::binary_search(wanted->begin(), wanted->end(), id)) continue;
       out.entries.push_back({*record.time, record.data_begin, static_cast<std::uint32_t>(record.data_bytes), id});
     } else {
@@ -105,6 +108,9 @@ void ChunkLoader::load(std::uint64_t position, bool may_be_cut, const std::vecto
   out.entries.clear();
   out.memory.clear();
   out.in_memory = out.cut = false;
+  out.messages = 0;
+  out.begin = kTimeMax;
+  out.end = kTimeMin;
   Record chunk;
   std::string why;
   const Parsed parsed = parse_record(view_, position, file_.size(), limits_, chunk, why);

@@ -33,6 +33,9 @@ struct LoadedChunk {
   std::vector<std::uint8_t> memory;   ///< decompressed bytes; empty for an uncompressed chunk
   bool in_memory = false;
   bool cut = false;  ///< the file ends inside it
+  // Of all its messages, also those that are not wanted.
+  std::uint64_t messages = 0;
+  TimeNs begin = kTimeMax, end = kTimeMin;
 };
 
 class ChunkLoader {
@@ -62,6 +65,7 @@ struct ChunkInfo {
   std::uint64_t position = 0;
   TimeNs begin = 0, end = 0;
   std::vector<std::uint32_t> connections;  ///< ids with messages in it, sorted
+  std::uint64_t messages = 0;              ///< from an index
 };
 
 struct BagIndex {
@@ -69,8 +73,12 @@ struct BagIndex {
   std::vector<ChunkInfo> chunks;  ///< by begin, then position
   InputStatus status = InputStatus::complete;
   std::vector<std::string> warnings;
+  bool scanned = false;  ///< from the records themselves
 };
 
 BagIndex read_bag_index(const InputFile& file, const Limits& limits);
+
+/// The index by the records of a bag whose own is not to be believed: `why`, for a warning.
+BagIndex scan_damaged_index(const InputFile& file, const Limits& limits, const std::string& why);
 
 }  // namespace aslio::io::rosbag

@@ -63,13 +63,37 @@ std::string add_chunk_info(ByteView& view, const Record& record, const FileHeade
   if (*record.chunk_position < header.first_record || *record.chunk_position >= header.index_position) {
     return fmt::format("a chunk info points to offset {}", *record.chunk_position);
   }
-  ChunkInfo info{*record.chunk_position, *record.begin, *record.end, {}};
+  if (*record.begin > *record.end) return "a chunk info ends before it begins";
+  ChunkInfo info{*record.chunk_position, *record.begin, *record.end, {}, 0};
   for (std::uint64_t at = 0; at + 8 <= record.data_bytes; at += 8) {
     const std::uint8_t* pair = view.at(record.data_begin + at, 8);
-    if (load<std::uint32_t>(pair + 4) > 0) info.connections.push_back(load<std::uint32_t>(pair));
+    const std::uint32_t count = load<std::uint32_t>(pair + 4);
+    if (count > 0) info.connections.push_back(load<std::uint32_t>(pair));
+    info.messages += count;
   }
   std::sort(info.connections.begin(), info.connections.end());
   index.chunks.push_back(std::move(info));
+  return {};
+}
+
+/// What contradicts itself in a whole index section.
+std::string contradiction(const BagIndex& index) {
+  std::vector<std::uint64_t> positions;
+  for (const ChunkInfo& chunk : index.chunks) {
+    positions.push_back(chunk.position);
+    const auto unknown = std::find_if_not(chunk.connections.begin(), chunk.connections.end(),
+                                          [&](std::uint32_t id) { return index.connections.contains(id); });
+    if (unknown != chunk.connections.end()) {
+      return fmt::format("a chunk info names connection {}, which does not exist", *unknown);
+    }
+    if (std::adjacent_find(chunk.connections.begin(), chunk.connections.end()) != chunk.connections.end()) {
+      return "a chunk info names one connection twice";
+    }
+  }
+  std::sort(positions.begin(), positions.end());
+  if (std::adjacent_find(positions.begin(), positions.end()) != positions.end()) {
+    return "two chunk infos point to one chunk";
+  }
   return {};
 }
 
@@ -101,14 +125,8 @@ IndexState read_index_section(const InputFile& file, ByteView& view, const FileH
                       index.connections.all().size(), index.chunks.size(), header.connections, header.chunks);
     return IndexState::cut;
   }
-  std::vector<std::uint64_t> positions;
-  for (const ChunkInfo& chunk : index.chunks) positions.push_back(chunk.position);
-  std::sort(positions.begin(), positions.end());
-  if (std::adjacent_find(positions.begin(), positions.end()) != positions.end()) {
-    why = "two chunk infos point to one chunk";
-    return IndexState::damaged;
-  }
-  return IndexState::good;
+  why = contradiction(index);
+  return why.empty() ? IndexState::good : IndexState::damaged;
 }
 
 /// Rebuilds the index from the records themselves.
@@ -149,7 +167,7 @@ class Scanner {
     switch (record.op) {
       case Op::chunk:
         finish_chunk(false);
-        open_chunk_ = ChunkInfo{position, kTimeMax, kTimeMin, {}};
+        open_chunk_ = ChunkInfo{position, kTimeMax, kTimeMin, {}, 0};
         return true;
       case Op::index_data:
         return parsed != Parsed::ok || take_times(record, why);
@@ -216,6 +234,21 @@ class Scanner {
   std::optional<ChunkInfo> open_chunk_;
 };
 
+/// Adds to what the index holds.
+void scan(const InputFile& file, ByteView& view, const FileHeader& header, const Limits& limits, BagIndex& index) {
+  index.scanned = true;
+  Scanner(file, view, header, limits, index).run();
+  if (index.status == InputStatus::truncated) {
+    index.warnings.push_back(
+        fmt::format("the file is cut short at {} bytes: all whole messages are read", file.size()));
+  }
+  sort_chunks(index.chunks);
+}
+
+std::string damaged_index(const std::string& why) {
+  return fmt::format("the index is damaged ({}): the bag was scanned instead", why);
+}
+
 }  // namespace
 
 BagIndex read_bag_index(const InputFile& file, const Limits& limits) {
@@ -227,26 +260,26 @@ BagIndex read_bag_index(const InputFile& file, const Limits& limits) {
     const IndexState state = header.index_position > file.size()
                                  ? IndexState::cut
                                  : read_index_section(file, view, header, limits, index, why);
-    if (state != IndexState::good) {
-      index = BagIndex{};
-      if (state == IndexState::cut) index.status = InputStatus::truncated;
-      if (state == IndexState::damaged) {
-        index.warnings.push_back(fmt::format("the index is damaged ({}): the bag was scanned instead", why));
-      }
-    }
     if (state == IndexState::good) {
       sort_chunks(index.chunks);
       return index;
     }
+    index = BagIndex{};
+    if (state == IndexState::cut) index.status = InputStatus::truncated;
+    if (state == IndexState::damaged) index.warnings.push_back(damaged_index(why));
   } else {
     index.warnings.push_back("the bag has no index (its recorder did not close it): it was scanned instead");
   }
-  Scanner(file, view, header, limits, index).run();
-  if (index.status == InputStatus::truncated) {
-    index.warnings.push_back(
-        fmt::format("the file is cut short at {} bytes: all whole messages are read", file.size()));
-  }
-  sort_chunks(index.chunks);
+  scan(file, view, header, limits, index);
+  return index;
+}
+
+BagIndex scan_damaged_index(const InputFile& file, const Limits& limits, const std::string& why) {
+  ByteView view(file);
+  const FileHeader header = read_file_header(file, view, limits);
+  BagIndex index;
+  index.warnings.push_back(damaged_index(why));
+  scan(file, view, header, limits, index);
   return index;
 }
 

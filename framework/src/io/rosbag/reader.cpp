@@ -21,11 +21,12 @@ class BagReader::Impl {
     std::sort(wanted_.begin(), wanted_.end());
     all_ = false;
     next_chunk_ = 0;
+    opened_.clear();
     while (!heap_.empty()) retire();
   }
 
   bool next(BagMessage& message) {
-    while (next_chunk_ < index_.chunks.size() && (heap_.empty() || must_open_next())) open_next();
+    while (more_chunks() && (heap_.empty() || must_open_next())) open_next();
     if (heap_.empty()) return false;
     std::pop_heap(heap_.begin(), heap_.end(), later_);
     Active& active = *heap_.back();
@@ -47,6 +48,7 @@ class BagReader::Impl {
   struct Active {
     LoadedChunk chunk;
     std::size_t next = 0;
+    std::uint64_t position = 0;
     std::size_t order = 0;
     const MessageEntry& head() const { return chunk.entries[next]; }
   };
@@ -57,6 +59,15 @@ class BagReader::Impl {
       return a->head().time != b->head().time ? a->head().time > b->head().time : a->order > b->order;
     }
   };
+
+  /// Steps over chunks that were opened before the index was rebuilt.
+  bool more_chunks() {
+    const auto opened = [&] {
+      return index_.scanned && std::binary_search(opened_.begin(), opened_.end(), index_.chunks[next_chunk_].position);
+    };
+    while (next_chunk_ < index_.chunks.size() && opened()) ++next_chunk_;
+    return next_chunk_ < index_.chunks.size();
+  }
 
   bool wanted(const ChunkInfo& info) const {
     return all_ || info.connections.empty() ||
@@ -83,6 +94,7 @@ class BagReader::Impl {
     if (!wanted(info)) return;
     Active* slot = acquire();
     slot->next = 0;
+    slot->position = info.position;
     slot->order = next_chunk_;
     const bool may_be_cut = index_.status == InputStatus::truncated;
     try {
@@ -91,12 +103,42 @@ class BagReader::Impl {
       free_.push_back(slot);
       throw;
     }
+    const std::string why = index_.scanned ? std::string{} : disagreement(info, slot->chunk);
+    if (!index_.scanned) opened_.push_back(info.position);
     if (slot->chunk.entries.empty()) {
       free_.push_back(slot);
-      return;
+    } else {
+      heap_.push_back(slot);
+      std::push_heap(heap_.begin(), heap_.end(), later_);
     }
-    heap_.push_back(slot);
-    std::push_heap(heap_.begin(), heap_.end(), later_);
+    if (!why.empty()) rebuild_index(why);
+  }
+
+  /// How a chunk differs from what the index says of it; empty where it does not.
+  static std::string disagreement(const ChunkInfo& info, const LoadedChunk& chunk) {
+    const bool times = chunk.messages == 0 || (chunk.begin == info.begin && chunk.end == info.end);
+    if (times && chunk.messages == info.messages) return {};
+    return fmt::format(
+        "it tells of {} messages from {} to {} ns in the chunk at offset {}, which has {} from {} to {} ns",
+        info.messages, info.begin, info.end, info.position, chunk.messages, chunk.begin, chunk.end);
+  }
+
+  /// In the middle of reading: what is open stays, what is not comes by the new index. A chunk that the old one had too
+  /// late, or as one of other topics, comes late. The connections stay, callers hold them.
+  void rebuild_index(const std::string& why) {
+    BagIndex scanned = scan_damaged_index(file_, limits_, why);
+    index_.scanned = true;
+    index_.chunks = std::move(scanned.chunks);
+    if (scanned.status == InputStatus::truncated) index_.status = InputStatus::truncated;
+    index_.warnings.insert(index_.warnings.end(), scanned.warnings.begin(), scanned.warnings.end());
+    next_chunk_ = 0;
+    std::sort(opened_.begin(), opened_.end());
+    for (Active* active : heap_) {
+      const auto at = std::find_if(index_.chunks.begin(), index_.chunks.end(),
+                                   [&](const ChunkInfo& info) { return info.position == active->position; });
+      active->order = static_cast<std::size_t>(at - index_.chunks.begin()) + 1;
+    }
+    std::make_heap(heap_.begin(), heap_.end(), later_);
   }
 
   Active* acquire() {
@@ -134,6 +176,7 @@ class BagReader::Impl {
   std::vector<std::uint32_t> wanted_;
   bool all_ = true, order_warned_ = false;
   std::size_t next_chunk_ = 0;
+  std::vector<std::uint64_t> opened_;  ///< positions of chunks, by the index of the bag
   std::deque<Active> storage_;
   std::vector<Active*> heap_, free_;
   Active* pending_ = nullptr;
