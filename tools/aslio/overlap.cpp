@@ -28,8 +28,7 @@ struct OverlapArguments {
   bool quiet = false;
 };
 
-experiment::OverlapSeriesOptions options_of(const OverlapArguments& a, const CLI::App& app) {
-  const Recording recording = find_recording(a.recording, app);
+experiment::OverlapSeriesOptions options_of(const OverlapArguments& a, const Recording& recording) {
   experiment::OverlapSeriesOptions options;
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;
@@ -89,9 +88,9 @@ void refuse_to_overwrite(const experiment::OverlapSeriesOptions& options, const 
 int score(const OverlapArguments& a, const CLI::App& app) {
   catch_interrupts();
   const Stages stages = load_stages(a.plugins);
-  const auto options = options_of(a, app);
-  const std::filesystem::path dataset = find_recording(a.recording, app).dataset.value_or("");
-  refuse_to_overwrite(options, dataset, a.output);
+  const Recording recording = find_recording(a.recording, app);
+  const auto options = options_of(a, recording);
+  refuse_to_overwrite(options, recording.dataset.value_or(""), a.output);
   io::AtomicFile file(a.output);
   file.write(experiment::overlap_series_header());
   Means means;

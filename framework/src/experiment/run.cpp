@@ -294,7 +294,7 @@ void mark_failure(Summary& summary, const SummaryCollector& collector, const Tra
   summary.failed_at = failed_after(poses, reference, other);
 }
 
-/// The summary last: where it is, all is. Where the others cannot be written it says so, in their room if need be, and
+/// The summary last: where it is, all is. Where the others cannot be written they make room for one that says so, and
 /// this throws for them.
 void write_texts(const std::filesystem::path& output, const std::string& resolved, const std::string& manifest,
                  Summary& summary) {

@@ -18,7 +18,6 @@ using rosbag::BagReader;
 using rosbag::Connection;
 
 constexpr std::size_t kJudgedMessages = 50;  ///< LiDAR messages looked at for one with returns
-constexpr std::size_t kClockMessages = 5;    ///< LiDAR messages by which the clock of their stamps is judged
 constexpr TimeNs kClocksApart = kSecond;     ///< a recorder is never so late with one topic alone
 constexpr TimeNs kSectionSlack = kSecond;    ///< messages may be recorded later than stamped
 

@@ -35,8 +35,7 @@ class TopicProbe {
 
   /// Before the first message.
   void look_at_clock(rosbag::BagReader& reader) {
-    constexpr std::size_t kMessages = 5;
-    if (report_.role == TopicRole::lidar) clock_ = judge_clock(reader, ids_, kMessages);
+    if (report_.role == TopicRole::lidar) clock_ = judge_clock(reader, ids_, kClockMessages);
   }
 
   void add(const rosbag::BagMessage& message) {

@@ -36,6 +36,9 @@ class StampClock {
   std::optional<TimeNs> offset_;
 };
 
+/// LiDAR messages by which the clock of their stamps is judged.
+inline constexpr std::size_t kClockMessages = 5;
+
 /// Of the first messages of some connections, which the reader selects for it.
 StampClock judge_clock(rosbag::BagReader& reader, std::span<const std::uint32_t> ids, std::size_t messages);
 

@@ -91,8 +91,8 @@ struct StudyData {
   std::vector<std::string> set;       ///< overrides of the scene
   double scale = 1;                   ///< of the scene
   std::filesystem::path dataset;      ///< empty for a scene
-  std::vector<std::filesystem::path>
-      texts;             ///< what was read of it before: the scene and what it reads, or the files of a recording
+  /// What was read of it before: the scene and what it reads, or the files of a recording.
+  std::vector<std::filesystem::path> texts;
   std::string identity;  ///< SHA-256 of everything that makes these data what they are
 };
 
