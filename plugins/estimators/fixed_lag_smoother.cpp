@@ -42,7 +42,7 @@ FixedLagSmoother::FixedLagSmoother(const Params& params, const BuildContext& con
         "prediction: imu, or another front",
         front));
   }
-  if (front == "smoother" || front == "fixed_lag_smoother") {
+  if (front_->smooths()) {
     throw ConfigError(fmt::format(
         "estimator fixed_lag_smoother: front: '{}' begins its smoothing anew with the velocity and the biases that it "
         "is told after every update, so that it never smooths: set another front, or make it the estimator itself",

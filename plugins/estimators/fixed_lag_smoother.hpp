@@ -28,6 +28,7 @@ class FixedLagSmoother final : public Estimator {
   bool uses_history() const override { return front_->uses_history(); }
   bool uses_cuts() const override { return front_->uses_cuts(); }
   bool uses_features() const override { return front_->uses_features(); }
+  bool smooths() const override { return true; }
   void reset(const InitialState& initial) override;
   void adopt(const InertialEstimate& better) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;

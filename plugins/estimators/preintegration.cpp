@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "aslio/core/mean_input.hpp"
 #include "estimators/imu_noise.hpp"
 
 namespace aslio::plugins {
@@ -22,21 +23,17 @@ Preintegration::Preintegration(std::span<const ImuSample> samples, const NavStat
 
 void Preintegration::step(const ImuSample& from, const ImuSample& to, const NavState& known,
                           const InertialNoise& noise) {
-  const double dt = to_seconds(to.t - from.t);
+  const MeanInput u(known, from, to);  // eq. MOT-6: sensitivity and delay would come back as a bias
+  const double dt = u.dt;
   if (dt <= 0) return;
-  // eq. MOT-6, as the motions have it: sensitivity and delay are taken out, too, or they would come back as a bias.
-  const Vec3 w_measured = 0.5 * (from.gyro + to.gyro);
-  const Vec3 w_change = (to.gyro - from.gyro) / dt, a_change = (to.acc - from.acc) / dt;
-  const Vec3 w = w_measured - b_w - known.S_w * w_measured + known.imu_delay * w_change;
-  const Vec3 a = 0.5 * (from.acc + to.acc) - b_a + known.imu_delay * a_change;
-  const Vec3 phi = dt * w, half = 0.5 * phi;
+  const Vec3 phi = dt * u.w, half = 0.5 * phi;
   const Mat3 half_turn = exp_so3(half), J = dt * right_jacobian_so3(phi);
-  const Vec3 force = half_turn * a;  // in the axes of the begin of the step
+  const Vec3 force = half_turn * u.a;  // in the axes of the begin of the step
 
   // Velocity gained in the step, and how it depends on attitude and biases.
   const Vec3 gain = dt * (dR * force);
   const Mat3 gain_theta = -dt * dR * hat(force);
-  const Mat3 gain_gyro = 0.5 * dt * dt * dR * half_turn * hat(a) * right_jacobian_so3(half);  // of a gyro bias
+  const Mat3 gain_gyro = 0.5 * dt * dt * dR * half_turn * hat(u.a) * right_jacobian_so3(half);  // of a gyro bias
   const Mat3 gain_acc = -dt * dR * half_turn;
   const Mat3 turn = exp_so3(-phi);
 

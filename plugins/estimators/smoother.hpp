@@ -43,6 +43,7 @@ class Smoother final : public Estimator, private PointRevision {
   }
   bool uses_history() const override { return false; }
   bool uses_cuts() const override { return true; }
+  bool smooths() const override { return true; }
   void reset(const InitialState& initial) override;
   void adopt(const InertialEstimate& better) override;
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;

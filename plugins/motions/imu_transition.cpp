@@ -38,14 +38,6 @@ void assign_rows(const MovedRows& rows, StateMatrix& X) {
 
 }  // namespace
 
-MeanInput::MeanInput(const NavState& state, const ImuSample& from, const ImuSample& to)
-    : dt(to_seconds(to.t - from.t)),
-      w_measured(0.5 * (from.gyro + to.gyro)),
-      w_change(dt > 0 ? Vec3((to.gyro - from.gyro) / dt) : Vec3::Zero()),
-      a_change(dt > 0 ? Vec3((to.acc - from.acc) / dt) : Vec3::Zero()),
-      w(w_measured - state.b_w - state.S_w * w_measured + state.imu_delay * w_change),
-      a(0.5 * (from.acc + to.acc) - state.b_a + state.imu_delay * a_change) {}
-
 void ImuTransition::apply(const ImuNoise& noise, StateMatrix& P) const {
   // P <- F P F^T: F acts on rows, then (P symmetric) on the rows of the transpose.
   assign_rows(moved_rows(*this, P), P);

@@ -2,20 +2,10 @@
 /// First-order transition of one IMU interval in block form, shared by the IMU motion models: only the blocks that are
 /// neither zero nor identity are stored, so that propagating P costs a few 3x28 products.
 
+#include "aslio/core/mean_input.hpp"
 #include "aslio/stages/motion.hpp"
 
 namespace aslio::plugins {
-
-/// Mean input of one interval (docs/equations.md MOT-6): what the samples say, and what the state makes of it.
-struct MeanInput {
-  MeanInput(const NavState& state, const ImuSample& from, const ImuSample& to);
-
-  double dt;        ///< [s]
-  Vec3 w_measured;  ///< mean of the two samples [rad/s]
-  Vec3 w_change;    ///< rate of change of the measured rate [rad/s^2]
-  Vec3 a_change;    ///< rate of change of the measured specific force [m/s^3]
-  Vec3 w, a;        ///< rate and specific force without bias, sensitivity error and delay
-};
 
 /// Error order (theta, p, v, b_w, b_a, g, s, d); noise order (n_w, n_a, n_bw, n_ba). docs/equations.md MOT-2.
 struct ImuTransition {

@@ -134,6 +134,8 @@ class Estimator : public Stage {
   virtual bool uses_cuts() const { return false; }
   /// Whether it asks for points by their feature_class. If so, a sampler has to tell it.
   virtual bool uses_features() const { return false; }
+  /// Whether it goes on with states of earlier windows, which adopt() ends: then no smoother can wrap it.
+  virtual bool smooths() const { return false; }
   virtual void reset(const InitialState& initial) = 0;
   /// state() has this velocity and these biases from here on, as from a smoother that wraps this estimator. Its pose
   /// and what the estimator remembers of earlier windows stay; one without IMU predicts from its poses, as before.
