@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr const char* kPlanFile = "plan.csv";
 constexpr std::size_t kShown = 20;  // lines of a list
 
-std::size_t index_of(std::vector<std::string>& names, const std::string& name) {
+std::size_t place_of(std::vector<std::string>& names, const std::string& name) {
   const auto at = std::find(names.begin(), names.end(), name);
   const auto index = static_cast<std::size_t>(at - names.begin());
   if (at == names.end()) names.push_back(name);
@@ -51,9 +51,9 @@ std::map<std::string, fs::file_time_type> begun_in(const fs::path& folder) {
   return out;
 }
 
-class Reader {
+class StatusReader {
  public:
-  explicit Reader(const fs::path& output)
+  explicit StatusReader(const fs::path& output)
       : output_(output), plan_(read_csv(output / kPlanFile)), planned_(fs::last_write_time(output / kPlanFile)) {}
 
   StudyStatus read() {
@@ -63,7 +63,7 @@ class Reader {
     for (const auto& row : plan_.rows) {
       if (row[data] != data_) look_into(output_ / "runs" / row[data]);
       data_ = row[data];
-      const std::size_t s = index_of(status_.sequences, row[sequence]), m = index_of(status_.methods, row[method]);
+      const std::size_t s = place_of(status_.sequences, row[sequence]), m = place_of(status_.methods, row[method]);
       status_.cells.resize(status_.sequences.size());
       for (auto& cells : status_.cells) cells.resize(status_.methods.size());
       add(row[run], row[key], m, status_.cells[s][m]);
@@ -192,7 +192,7 @@ StudyStatus read_status(const fs::path& output) {
         fmt::format("{}: no study has been here (there is no {}); name the --output of `aslio experiment`",
                     output.string(), kPlanFile));
   }
-  return Reader(output).read();
+  return StatusReader(output).read();
 }
 
 std::string to_text(const StudyStatus& s) {
