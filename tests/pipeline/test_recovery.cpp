@@ -223,6 +223,21 @@ TEST_CASE("a gap that dead reckoning cannot bridge is a loss, and what comes aft
   }
 }
 
+TEST_CASE("a run that is lost begins anew however long an initialisation takes") {
+  const simulator::AnalyticWorld world({.seed = 2});
+  const TimeNs begin = world.begin_time();
+  const Recording recording =
+      without<LidarPacket>(record(*world.source(), begin + to_ns(20.0)), begin + to_ns(6.9), begin + to_ns(12.4));
+  Run run(shipped("fixed_window", {"initialisation.time=6"}), world.sensor());
+  run.play(recording);
+  REQUIRE(run.odometry.losses().size() == 1);
+  const pipeline::Divergence& loss = run.odometry.losses().front();
+  REQUIRE(loss.restarted);
+  CHECK(std::abs(to_seconds(*loss.restarted - loss.t) - 6.0) < 0.12);
+  CHECK(run.odometry.tracking() == TrackingStatus::ok);
+  CHECK(run.odometry.stream().counters().points_late == 0);
+}
+
 TEST_CASE("an IMU that falls silent is a loss while the points go on, and none of them pile up") {
   const simulator::AnalyticWorld world({.seed = 2});
   const auto source = world.source();

@@ -15,7 +15,7 @@ constexpr TimeNs kTenth = kSecond / 10;
 
 /// Plays updates of 0.1 s.
 struct Play {
-  Tracking tracking{TrackingLimits{}};
+  Tracking tracking{TrackingLimits{}, 0.1};
   TimeNs t = kEpoch;
 
   TrackingStatus next(const Update& update) {
@@ -110,6 +110,30 @@ TEST_CASE("tracking: a gap in the data before a refused window counts with that 
   play.t += 5 * kSecond;  // the next window begins behind the gap
   play.refused(10);
   CHECK_FALSE(play.tracking.divergence());
+}
+
+TEST_CASE("tracking: points without times of their own lie at the end of their window, and silence counts as ever") {
+  for (const double period : {0.05, 0.1, 0.2}) {
+    CAPTURE(period);
+    Tracking tracking(TrackingLimits{}, period);
+    tracking.begin(kEpoch);
+    Update update;
+    update.accepted = true;
+    update.status = UpdateStatus::ok;
+    tracking.observe(update, kEpoch + kTenth, kEpoch + kTenth);
+    update.accepted = false;
+    update.status = UpdateStatus::few_matches;
+    const TimeNs step = to_ns(period);
+    TimeNs t = kEpoch + kTenth, jitter = step / 4;
+    while (!tracking.lost() && t < kEpoch + 3 * kSecond) {
+      t += step + jitter;
+      jitter = -jitter;
+      tracking.observe(update, t, t);
+    }
+    REQUIRE(tracking.lost());
+    CHECK(t > kEpoch + kTenth + kSecond);
+    CHECK(t <= kEpoch + kTenth + kSecond + 2 * step);
+  }
 }
 
 TEST_CASE("tracking: nor does a gap between two refused windows count") {

@@ -111,25 +111,41 @@ TEST_CASE("a clock that really jumped ends the run with a reason") {
                     "recording there");
 }
 
-TEST_CASE("a pause of up to a minute is believed once a second sample confirms it, and loses none") {
+TEST_CASE("a pause of up to a minute is believed once two more samples confirm it, and loses none") {
   for (const TimeNs pause : {kSecond + 1, 5 * kSecond, 60 * kSecond}) {
     MeasurementStream stream;
     stream.push(imu(kEpoch));
     stream.push(imu(kEpoch + pause));
     CHECK(stream.last_imu() == kEpoch);
     stream.push(imu(kEpoch + pause + kPeriod));
-    CHECK(stream.last_imu() == kEpoch + pause + kPeriod);
-    CHECK(stream.imu(kTimeMin, kTimeMax).size() == 3);
+    CHECK(stream.last_imu() == kEpoch);
+    stream.push(imu(kEpoch + pause + 2 * kPeriod));
+    CHECK(stream.last_imu() == kEpoch + pause + 2 * kPeriod);
+    CHECK(stream.imu(kTimeMin, kTimeMax).size() == 4);
     CHECK(stream.counters().longest_imu_step == pause);
-    stream.push(imu(kEpoch + 2 * pause + kPeriod));  // one pause after another
-    stream.push(imu(kEpoch + 3 * pause + kPeriod));
+    stream.push(imu(kEpoch + 2 * pause + 2 * kPeriod));  // one pause after another
     stream.push(imu(kEpoch + 3 * pause + 2 * kPeriod));
-    CHECK(stream.imu(kTimeMin, kTimeMax).size() == 6);
+    stream.push(imu(kEpoch + 3 * pause + 3 * kPeriod));
+    CHECK(stream.imu(kTimeMin, kTimeMax).size() == 7);
     CHECK(stream.counters().imu_time_jumps == 0);
     stream.push(imu(kEpoch + 5 * pause));
-    stream.finish();  // nothing confirms the last one
-    CHECK(stream.imu(kTimeMin, kTimeMax).size() == 6);
-    CHECK(stream.counters().imu_time_jumps == 1);
+    stream.push(imu(kEpoch + 5 * pause + kPeriod));
+    stream.finish();  // nothing confirms the last ones
+    CHECK(stream.imu(kTimeMin, kTimeMax).size() == 7);
+    CHECK(stream.counters().imu_time_jumps == 2);
+  }
+}
+
+TEST_CASE("two samples with wild stamps of one time are dropped, and the run goes on") {
+  for (const TimeNs by : {2 * kSecond, 60 * kSecond}) {
+    MeasurementStream stream;
+    for (const ImuSample& s : regular_imu(100)) {
+      const bool wild = s.t == kEpoch + 50 * kPeriod || s.t == kEpoch + 51 * kPeriod;
+      stream.push(imu(s.t + (wild ? by : 0)));
+    }
+    CHECK(stream.counters().imu == 98);
+    CHECK(stream.counters().imu_time_jumps == 2);
+    CHECK(stream.last_imu() == kEpoch + 99 * kPeriod);
   }
 }
 
@@ -241,8 +257,9 @@ TEST_CASE("an IMU that lags behind the points is waited for as long as was asked
   CHECK(stream.imu_until() == 2 * kSecond);
   stream.wait_for_imu(5 * kSecond);
   CHECK(stream.imu_until() == 4 * kSecond);
-  stream.push(ImuSample{6 * kSecond - 1, Vec3::Zero(), Vec3::Zero()});
-  CHECK(stream.imu_until() == 4 * kSecond);  // a pause or a wild stamp: the next one tells
+  stream.push(ImuSample{6 * kSecond - 2 * kPeriod, Vec3::Zero(), Vec3::Zero()});
+  stream.push(ImuSample{6 * kSecond - kPeriod, Vec3::Zero(), Vec3::Zero()});
+  CHECK(stream.imu_until() == 4 * kSecond);  // a pause or a wild stamp: the next ones tell
   stream.push(ImuSample{6 * kSecond, Vec3::Zero(), Vec3::Zero()});
   CHECK(stream.imu_until() == 6 * kSecond);
   CHECK(stream.imu_silent_after(1, kTimeMax, 3 * kSecond) == 2 * kSecond);

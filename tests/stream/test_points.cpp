@@ -131,7 +131,7 @@ TEST_CASE("a repeated packet is ignored, at once and after others") {
   for (std::size_t i = 0; i < left.size(); ++i) CHECK((left[i].t == right[i].t && left[i].index == right[i].index));
 }
 
-TEST_CASE("points before the last cut or the released time are late") {
+TEST_CASE("points before the last cut are late, those after it that were let go are before the next start") {
   MeasurementStream stream;
   stream.push(regular_packet(0, kEpoch, 1000, 10));
   stream.push(imu(kEpoch));
@@ -145,9 +145,16 @@ TEST_CASE("points before the last cut or the released time are late") {
   CHECK(stream.points(plan.end, kTimeMax).size() == 5);
   CHECK(stream.points(plan.end, kTimeMax)[0].t == kEpoch + 5500);
   stream.release(kEpoch + 8000);
-  stream.push(packet(2, {point(kEpoch + 8000), point(kEpoch + 8001)}));
+  stream.push(packet(2, {point(kEpoch + 5000), point(kEpoch + 5001), point(kEpoch + 8000), point(kEpoch + 8001)}));
   CHECK(stream.counters().points_late == 3);
+  CHECK(stream.counters().points_before_start == 2);
   CHECK(stream.buffered_points() == 2);
+  plan.fresh_begin = plan.history_begin = kEpoch + 8000;
+  plan.end = kEpoch + 9000;
+  CHECK(stream.cut(plan, 2).fresh.size() == 2);  // 8001, and 9000 of the first packet
+  stream.push(packet(3, {point(kEpoch + 4999), point(kEpoch + 7999), point(kEpoch + 8500)}));
+  CHECK(stream.counters().points_late == 5);
+  CHECK(stream.counters().points_before_start == 3);
 }
 
 TEST_CASE("what reaches back over the start is not late, whenever it comes") {
@@ -190,7 +197,7 @@ TEST_CASE("one or two packets from another time do no harm, a third that agrees 
   }
 }
 
-TEST_CASE("a packet far ahead waits for the next one to tell a pause from a wild stamp") {
+TEST_CASE("a packet far ahead waits for the next two to tell a pause from a wild stamp") {
   const TimeNs step = kSecond / 10;
   MeasurementStream stream;
   stream.push(regular_packet(0, kEpoch, 1000, 100));
@@ -205,9 +212,35 @@ TEST_CASE("a packet far ahead waits for the next one to tell a pause from a wild
   stream.push(regular_packet(3, kEpoch + 7 * kSecond, 1000, 100));  // a copy confirms nothing
   CHECK(stream.counters().points == 200);
   CHECK(stream.counters().duplicate_packets == 1);
-  stream.push(regular_packet(4, kEpoch + 7 * kSecond + step, 1000, 100));
-  CHECK(stream.counters().points == 400);
+  for (int copy = 0; copy < 2; ++copy) stream.push(regular_packet(4, kEpoch + 7 * kSecond + step, 1000, 100));
+  CHECK(stream.counters().points == 200);  // nor one of either
+  CHECK(stream.counters().duplicate_packets == 2);
+  stream.push(regular_packet(5, kEpoch + 7 * kSecond + 2 * step, 1000, 100));
+  CHECK(stream.counters().points == 500);
   CHECK(stream.counters().packet_time_jumps == 1);
+}
+
+TEST_CASE("two packets with wild stamps of one time are dropped, and the run goes on") {
+  const TimeNs step = kSecond / 10;
+  MeasurementStream stream;
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    const TimeNs wild = k == 10 || k == 11 ? 5 * kSecond : 0;
+    stream.push(regular_packet(k, kEpoch + k * step + wild, 1000, 100));
+  }
+  CHECK(stream.counters().points == 1800);
+  CHECK(stream.counters().packet_time_jumps == 2);
+  CHECK(stream.last_point() == kEpoch + 19 * step + 99'000);
+}
+
+TEST_CASE("a first packet with a wild stamp is forgotten also where the IMU began long before") {
+  const TimeNs step = kSecond / 10;
+  MeasurementStream stream;
+  for (int i = 0; i < 3; ++i) stream.push(imu(kEpoch - 20 * kSecond + i * kSecond));
+  stream.release(kEpoch - 19 * kSecond);  // as while the points are waited for
+  stream.push(regular_packet(7, kEpoch + 3600 * kSecond, 1000, 50));
+  for (std::uint32_t k = 0; k < 6; ++k) stream.push(regular_packet(k, kEpoch + k * step, 1000, 100));
+  CHECK(stream.counters().points == 400);
+  CHECK(stream.first_point() == kEpoch + 2 * step);
 }
 
 TEST_CASE("a wild stamp that comes twice is a wild stamp, and a jump whose packets come twice a jump") {

@@ -29,7 +29,7 @@ class Odometry::Loop {
         sensor_(context.sensor),
         start_offset_(start_offset(context.order_seed)),
         anew_{context.exec, sensor_, context.log, context.order_seed, true},
-        tracking_(config.limits) {
+        tracking_(config.limits, context.sensor.sweep_period) {
     take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
   }
@@ -118,6 +118,7 @@ class Odometry::Loop {
       return false;
     }
     begin(initialisation_->initial);
+    tracking_.begin(feedback_.t);
     // A silence is known to be longer than max_gap once points that much later came, and the IMU may still be late.
     stream_.wait_for_imu(to_ns(config_.limits.max_gap) + kMostKept);
     return true;
@@ -135,7 +136,8 @@ class Odometry::Loop {
   bool restart() {
     if (!new_start_) new_start_.emplace(last_known(), config_.initialisation, sensor_);
     if (stages_.estimator->uses_imu() && stream_.last_point() > kTimeMin + kMostKept) {
-      new_start_->skip(stream_.last_point() - kMostKept);  // IMU data of points that are kept no longer
+      // IMU data of points that are kept no longer.
+      new_start_->skip(stream_.last_point() - kMostKept - to_ns(config_.initialisation.time));
     }
     const auto found = new_start_->find(stream_, *stages_.estimator);
     if (!found) {

@@ -2,7 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace aslio::pipeline {
+
+Tracking::Tracking(const TrackingLimits& limits, double sweep_period)
+    : limits_(limits),
+      max_silence_(to_ns(limits.max_silence)),
+      no_gap_(std::max(kSecond / 10, to_ns(1.5 * sweep_period))) {}
 
 void Tracking::diverge(TimeNs t, bool may_restart, std::string reason) {
   // One that goes on although it is lost, as a test may, is lost once.
@@ -26,18 +33,14 @@ void Tracking::restart(TimeNs t) {
   status_ = TrackingStatus::recovering;
   accepted_in_a_row_ = 0;
   silence_ = 0;
-}
-
-/// A gap in the data is no fault of the estimator, wherever it lies among refused windows. One without data for a
-/// moment is none.
-void Tracking::be_silent(TimeNs begin, TimeNs end) {
-  constexpr TimeNs no_gap = kSecond / 10;
-  if (silence_ > 0 && begin - last_end_ <= no_gap) begin = last_end_;
-  silence_ += end - begin;
-  last_end_ = end;
+  begin(t);
 }
 
 void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
+  // A gap in the data is no fault of the estimator, wherever it lies among refused windows.
+  const bool without_gap = last_end_ > kTimeMin && begin - last_end_ <= no_gap_;
+  const TimeNs length = end - (without_gap ? last_end_ : begin);
+  last_end_ = end;
   const NavState& s = update.state;
   if (!s.R.allFinite() || !s.p.allFinite() || !s.v.allFinite() || !s.b_w.allFinite() || !s.b_a.allFinite()) {
     return diverge(end, ever_accepted_, "the state is not finite");
@@ -48,7 +51,7 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
   }
   if (update.status == UpdateStatus::initialising) {
     // One window builds the map. A map that stays empty gets no points, and nothing will ever be registered.
-    be_silent(begin, end);
+    silence_ += length;
     if (silence_ > max_silence_) {
       diverge(end, ever_accepted_,
               fmt::format("the map is still empty after {:.2f} s: no point got through the samplers (range limits?), "
@@ -72,7 +75,7 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
     return;
   }
   accepted_in_a_row_ = 0;
-  be_silent(begin, end);
+  silence_ += length;
   status_ = TrackingStatus::degraded;
   if (silence_ > max_silence_) {
     diverge(

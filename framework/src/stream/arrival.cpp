@@ -34,20 +34,30 @@ std::size_t drop_strays(std::vector<TimedPoint>& points) {
 
 }  // namespace
 
+bool JumpGuard::agrees_with_held(TimeNs begin, TimeNs end) const {
+  return held_ > 0 && end >= held_end_ - kMaxStepBack && begin <= held_end_ + kMaxStepAhead;
+}
+
 bool JumpGuard::confirms(TimeNs begin, TimeNs end) {
-  if (!held_ || end < *held_ - kMaxStepBack || begin > *held_ + kMaxStepAhead) return false;
-  held_.reset();
+  if (held_ + 1 < kConfirmations || !agrees_with_held(begin, end)) return false;
+  held_ = 0;
   return true;
 }
 
-JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last, bool sole) {
+bool JumpGuard::implausible(TimeNs begin, TimeNs end, TimeNs last) const {
   const bool back = end < last - kMaxStepBack;
   const bool ahead = begin > last + kMaxStepAhead;
-  if (!back && !ahead) {
+  return back || (ahead && !agrees_with_held(begin, end));
+}
+
+JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last, bool sole) {
+  if (!implausible(begin, end, last)) {
     in_a_row_ = 0;
     const bool usual = begin <= last + kMaxStepBack;
-    held_ = usual ? std::nullopt : std::optional(end);
-    return usual ? Verdict::take : Verdict::hold;
+    const bool agrees = !usual && agrees_with_held(begin, end);
+    held_ = usual ? 0 : agrees ? held_ + 1 : 1;
+    held_end_ = agrees ? std::max(held_end_, end) : end;
+    return usual ? Verdict::take : agrees ? Verdict::hold_too : Verdict::hold;
   }
   if (in_a_row_ > 0 && begin == rejected_) return Verdict::ignore;  // a copy says nothing new
   const bool continues = in_a_row_ > 0 && begin > rejected_ && begin - rejected_ <= kMaxStepBack;
@@ -56,9 +66,10 @@ JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last, bool 
   if (in_a_row_ < kConfirmations) return Verdict::ignore;
   if (sole) {
     in_a_row_ = 0;
-    held_.reset();
+    held_ = 0;
     return Verdict::begin;
   }
+  const bool back = end < last;
   const double jump = to_seconds(back ? last - begin : begin - last);
   throw DataError(
       fmt::format("{} clock jumped {} by {:.1f} s at {}.{:09} s ({} stamps in a row agree); split the recording there",

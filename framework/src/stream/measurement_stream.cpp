@@ -35,16 +35,17 @@ void MeasurementStream::push(LidarPacket&& packet) {
     return;
   }
   const PacketKey key{packet.stamp, points.front().t, points.back().t, size};
-  const bool copy_of_held = held_packet_ && key == held_packet_->key;  // which confirms nothing
-  if (held_packet_ && !copy_of_held && packet_guard_.confirms(key.first, key.last)) take_held_packet();
+  const bool copy_of_held =  // which confirms nothing
+      std::any_of(held_packets_.begin(), held_packets_.end(), [&](const ArrivedPacket& p) { return p.key == key; });
+  if (!copy_of_held && packet_guard_.confirms(key.first, key.last)) take_held_packets();
   if (copy_of_held || seen_before(key)) {
     ++counters_.duplicate_packets;
     return;
   }
   // Counted before the guard speaks, so that the counter is right also when it throws.
-  if (last_point_ != kTimeMin && last_point_ - key.last > kMaxStepBack) ++counters_.packet_time_jumps;
-  if (last_point_ != kTimeMin && key.first - last_point_ > kMaxStepAhead) ++counters_.packet_time_jumps;
-  const bool sole = recent_count_ == 1 && closed_until() == kTimeMin;
+  if (last_point_ != kTimeMin && packet_guard_.implausible(key.first, key.last, last_point_))
+    ++counters_.packet_time_jumps;
+  const bool sole = recent_count_ == 1 && last_cut_ == kTimeMin;
   const JumpGuard::Verdict verdict =
       last_point_ == kTimeMin ? JumpGuard::Verdict::take : packet_guard_.judge(key.first, key.last, last_point_, sole);
   if (verdict == JumpGuard::Verdict::ignore) return;
@@ -52,11 +53,10 @@ void MeasurementStream::push(LidarPacket&& packet) {
     forget_first_packet();
     findings.reordered = 0;  // against the first one
   }
-  counters_.packet_time_jumps += held_packet_.has_value();
-  held_packet_.reset();
   ArrivedPacket arrived{std::move(packet), key, findings.reordered};
-  if (verdict == JumpGuard::Verdict::hold)
-    held_packet_ = std::move(arrived);
+  if (verdict != JumpGuard::Verdict::hold_too) drop_held_packets();
+  if (verdict == JumpGuard::Verdict::hold || verdict == JumpGuard::Verdict::hold_too)
+    held_packets_.push_back(std::move(arrived));
   else
     take(std::move(arrived));
 }
@@ -67,9 +67,10 @@ void MeasurementStream::take(ArrivedPacket&& arrived) {
   const auto closed = [](TimeNs limit, const TimedPoint& p) { return limit < p.t; };
   const auto open = std::upper_bound(points.begin(), points.end(), closed_until(), closed);
   const auto late = static_cast<std::size_t>(open - points.begin());
-  const auto too_early = std::upper_bound(points.begin(), open, start_, closed) - points.begin();
-  counters_.points_before_start += static_cast<std::uint64_t>(too_early);
-  counters_.points_late += late - static_cast<std::uint64_t>(too_early);
+  const auto skipped = static_cast<std::size_t>(std::upper_bound(points.begin(), open, skipped_until_, closed) -
+                                                std::upper_bound(points.begin(), open, skipped_from_, closed));
+  counters_.points_before_start += skipped;
+  counters_.points_late += late - skipped;
   counters_.points_reordered += arrived.reordered - std::min(arrived.reordered, late);
   const std::span<TimedPoint> accepted(open, points.end());
   // Late points count too: what comes after them must not depend on whether its packet came before or after the cut.
@@ -110,20 +111,20 @@ void MeasurementStream::push(const ImuSample& sample) {
     return;
   }
   if (first_imu_) {
-    if (held_imu_ && sample.t == held_imu_->t) {  // a copy, which confirms nothing
+    const auto same_time = [&](const ImuSample& held) { return held.t == sample.t; };
+    if (std::any_of(held_imu_.begin(), held_imu_.end(), same_time)) {  // a copy, which confirms nothing
       ++counters_.imu_duplicate;
       return;
     }
-    if (held_imu_ && imu_guard_.confirms(sample.t, sample.t)) take_held_imu();
-    if (last_imu_ - sample.t > kMaxStepBack || sample.t - last_imu_ > kMaxStepAhead) ++counters_.imu_time_jumps;
-    const bool sole = counters_.imu == 1 && closed_until() == kTimeMin;
+    if (imu_guard_.confirms(sample.t, sample.t)) take_held_imu();
+    counters_.imu_time_jumps += imu_guard_.implausible(sample.t, sample.t, last_imu_);
+    const bool sole = counters_.imu == 1 && last_cut_ == kTimeMin;
     const JumpGuard::Verdict verdict = imu_guard_.judge(sample.t, sample.t, last_imu_, sole);
     if (verdict == JumpGuard::Verdict::ignore) return;
     if (verdict == JumpGuard::Verdict::begin) forget_first_imu();
-    counters_.imu_time_jumps += held_imu_.has_value();
-    held_imu_.reset();
-    if (verdict == JumpGuard::Verdict::hold) {
-      held_imu_ = sample;
+    if (verdict != JumpGuard::Verdict::hold_too) drop_held_imu();
+    if (verdict == JumpGuard::Verdict::hold || verdict == JumpGuard::Verdict::hold_too) {
+      held_imu_.push_back(sample);
       return;
     }
   }
@@ -170,25 +171,33 @@ void MeasurementStream::forget_first_imu() {
   last_imu_ = kTimeMin;
 }
 
-void MeasurementStream::take_held_packet() {
-  take(std::move(*held_packet_));
-  held_packet_.reset();
+void MeasurementStream::take_held_packets() {
+  for (ArrivedPacket& held : held_packets_) take(std::move(held));
+  held_packets_.clear();
 }
 
 void MeasurementStream::take_held_imu() {
-  take(*held_imu_);
-  held_imu_.reset();
+  for (const ImuSample& held : held_imu_) take(held);
+  held_imu_.clear();
+}
+
+void MeasurementStream::drop_held_packets() {
+  counters_.packet_time_jumps += held_packets_.size();
+  held_packets_.clear();
+}
+
+void MeasurementStream::drop_held_imu() {
+  counters_.imu_time_jumps += held_imu_.size();
+  held_imu_.clear();
 }
 
 void MeasurementStream::finish() {
   // What no other one of its sensor can confirm any more, the other sensor may. A pause that nothing confirms is a wild
   // stamp.
-  if (held_packet_ && last_imu_ > held_packet_->key.first - kMaxStepBack) take_held_packet();
-  if (held_imu_ && last_point_ > held_imu_->t - kMaxStepBack) take_held_imu();
-  counters_.packet_time_jumps += held_packet_.has_value();
-  counters_.imu_time_jumps += held_imu_.has_value();
-  held_packet_.reset();
-  held_imu_.reset();
+  if (!held_packets_.empty() && last_imu_ > held_packets_.front().key.first - kMaxStepBack) take_held_packets();
+  if (!held_imu_.empty() && last_point_ > held_imu_.front().t - kMaxStepBack) take_held_imu();
+  drop_held_packets();
+  drop_held_imu();
   finished_ = true;
 }
 
@@ -261,7 +270,10 @@ Window MeasurementStream::cut(const WindowPlan& plan, std::uint32_t sequence) {
 void MeasurementStream::release(TimeNs t) {
   if (t <= released_) return;
   released_ = t;
-  if (last_cut_ == kTimeMin) start_ = t;
+  if (t > last_cut_) {
+    skipped_from_ = last_cut_;
+    skipped_until_ = t;
+  }
   points_.forget(points_.count_until(t));
   // The sample at or before t stays: the next window interpolates from it.
   const std::size_t until = imu_.count_until(t);

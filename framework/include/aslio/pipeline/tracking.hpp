@@ -34,8 +34,12 @@ struct TrackingLimits {
 ///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted updates
 class Tracking {
  public:
-  explicit Tracking(const TrackingLimits& limits) : limits_(limits), max_silence_(to_ns(limits.max_silence)) {}
+  /// `sweep_period`: of the LiDAR [s]. Where points have no times of their own, no window begins before that long after
+  /// the last one.
+  Tracking(const TrackingLimits& limits, double sweep_period);
 
+  /// The data up to `t` are no part of what follows.
+  void begin(TimeNs t) { last_end_ = t; }
   /// Takes the outcome of an update over the fresh data of [begin, end].
   void observe(const Update& update, TimeNs begin, TimeNs end);
   /// There were no points within (begin, end). Lost, if that is too long.
@@ -57,16 +61,16 @@ class Tracking {
 
  private:
   void diverge(TimeNs t, bool may_restart, std::string reason);
-  void be_silent(TimeNs begin, TimeNs end);
 
   static constexpr int kRecovered = 5;
   static constexpr double kMaxAccBias = 1.5;  // [m/s^2]
   TrackingLimits limits_;
   TimeNs max_silence_;
+  TimeNs no_gap_;  ///< a time without data, no longer than between two messages
   TrackingStatus status_ = TrackingStatus::initialising;
   int accepted_in_a_row_ = 0;
-  TimeNs silence_ = 0;   ///< of the refused updates in a row, without gaps in the data
-  TimeNs last_end_ = 0;  ///< of the last of them
+  TimeNs silence_ = 0;          ///< of the refused updates in a row, without gaps in the data
+  TimeNs last_end_ = kTimeMin;  ///< of the last update
   bool ever_accepted_ = false, may_restart_ = false;
   std::vector<Divergence> losses_;
 };

@@ -12,7 +12,7 @@
 namespace aslio::stream {
 
 /// Stamps may step back by this much (reordering) or ahead by this much (a pause) and are still believed; a step ahead
-/// of more than kMaxStepBack once the next measurement confirms it.
+/// of more than kMaxStepBack once the next two measurements confirm it.
 inline constexpr TimeNs kMaxStepBack = kSecond;
 inline constexpr TimeNs kMaxStepAhead = 60 * kSecond;
 /// Coordinates beyond this are garbage [m]; they would overflow cell indices.
@@ -26,28 +26,35 @@ inline constexpr double kMaxRate = 1e5, kMaxForce = 1e6;
 /// A stamp that arithmetic can be done with.
 constexpr bool sane_stamp(TimeNs t) { return t > -kMaxStamp && t < kMaxStamp; }
 
-/// Tells a single wild stamp, which is to be ignored, from a pause of the data, and from a clock that really jumped,
-/// which no odometry can bridge.
+/// Tells a wild stamp or two, which are to be ignored, from a pause of the data, and from a clock that really jumped,
+/// which no odometry can bridge: what three stamps in a row agree on is believed.
 class JumpGuard {
  public:
   enum class Verdict {
-    take,    ///< and the measurement that is held, if any, had a wild stamp: drop it
-    ignore,  ///< a wild stamp
-    hold,    ///< a pause or a wild stamp, as the next one will tell; drop what is held already
-    begin,   ///< the only measurement before had the wild stamp: forget that one and take this
+    take,      ///< and the measurements that are held, if any, had wild stamps: drop them
+    ignore,    ///< a wild stamp
+    hold,      ///< a pause or a wild stamp, as the next ones will tell; drop what is held already
+    hold_too,  ///< with what is held already, as it agrees with that
+    begin,     ///< the only measurement before had the wild stamp: forget that one and take this
   };
 
   explicit JumpGuard(std::string what) : what_(std::move(what)) {}
 
-  /// Whether a measurement of [begin, end] confirms that the one that is held came after a pause: take that one first.
+  /// Whether a measurement of [begin, end] confirms that those that are held came after a pause: take them first.
   bool confirms(TimeNs begin, TimeNs end);
+  /// Whether neither reordering nor a pause, nor the pause that the held ones may be, explains a measurement of
+  /// [begin, end] after `last`.
+  bool implausible(TimeNs begin, TimeNs end, TimeNs last) const;
   /// Of a measurement of [begin, end] after `last`. At the third implausible stamp in a row that continues the one
   /// before: `begin` when only one measurement has been taken (`sole`), else throws DataError.
   Verdict judge(TimeNs begin, TimeNs end, TimeNs last, bool sole);
 
  private:
+  bool agrees_with_held(TimeNs begin, TimeNs end) const;
+
   std::string what_;
-  std::optional<TimeNs> held_;  ///< end of the measurement that waits for the next one
+  int held_ = 0;         ///< measurements that wait for others that agree
+  TimeNs held_end_ = 0;  ///< of the last of them
   TimeNs rejected_ = 0;
   int in_a_row_ = 0;
 };

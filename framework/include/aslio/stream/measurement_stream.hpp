@@ -25,9 +25,9 @@ struct StreamCounters {
   std::uint64_t points = 0;          ///< accepted
   std::uint64_t points_invalid = 0;  ///< not finite, absurdly far (> 1e5 m), or dropped by the decoder
   std::uint64_t points_stray = 0;    ///< time more than 1 s away from the body of the packet: dropped
-  std::uint64_t points_late = 0;     ///< after the first cut, before the last one: dropped
-  /// Of a time that was released before the first cut, such as those of a message that reaches over the start of the
-  /// odometry: dropped, and no anomaly.
+  std::uint64_t points_late = 0;     ///< before the last cut: dropped
+  /// Of a time that was released though no window was cut from it, such as those of a message that reaches over the
+  /// start of the odometry, or over a new one after a loss: dropped, and no anomaly.
   std::uint64_t points_before_start = 0;
   std::uint64_t points_reordered = 0;  ///< arrived out of order, put in order
   std::uint64_t imu = 0;               ///< accepted
@@ -46,7 +46,7 @@ class MeasurementStream final : public StreamView {
 
   /// Points in any order. The push()es throw DataError when three measurements in a row agree that the clock jumped
   /// (> 1 s back or > 60 s ahead); fewer are ignored and counted, and so is the first of all when the three after it
-  /// agree against it. One of more than 1 s ahead is held until the next one of its sensor tells whether it was a
+  /// agree against it. One of more than 1 s ahead is held until the next two of its sensor tell whether it was a
   /// pause, or at the end of the data the other sensor. A copy tells nothing.
   void push(LidarPacket&& packet);
   void push(const ImuSample& sample);
@@ -68,7 +68,7 @@ class MeasurementStream final : public StreamView {
   /// The sample after which there is none for more than `longest` [ns], the first such that lies before `end` and has
   /// its successor after `begin`. After the newest sample, to the newest point.
   std::optional<TimeNs> imu_silent_after(TimeNs begin, TimeNs end, TimeNs longest) const;
-  /// Everything up to `t` may be forgotten; later arrivals before it are late, or, before the first cut, before the
+  /// Everything up to `t` may be forgotten; later arrivals before it are late, or, after the last cut, before the
   /// start.
   void release(TimeNs t);
 
@@ -120,8 +120,10 @@ class MeasurementStream final : public StreamView {
   bool seen_before(const PacketKey& key);
   void take(ArrivedPacket&& arrived);
   void take(const ImuSample& sample);
-  void take_held_packet();
+  void take_held_packets();
   void take_held_imu();
+  void drop_held_packets();
+  void drop_held_imu();
   void forget_first_packet();
   void forget_first_imu();
   void note_sweeps(std::span<const TimedPoint> points);
@@ -141,15 +143,16 @@ class MeasurementStream final : public StreamView {
   std::size_t recent_count_ = 0;
   PacketSorter sorter_;
   JumpGuard packet_guard_{"LiDAR"}, imu_guard_{"IMU"};
-  std::optional<ArrivedPacket> held_packet_;
-  std::optional<ImuSample> held_imu_;
+  std::vector<ArrivedPacket> held_packets_;
+  std::vector<ImuSample> held_imu_;
   StepMedian imu_steps_;                 ///< of what has arrived
   StepMedian cut_steps_;                 ///< of the readings up to the last cut, in time order: however they arrive
   std::optional<TimeNs> last_cut_step_;  ///< the last of them
   std::optional<TimeNs> first_point_, first_imu_;
   TimeNs last_point_ = kTimeMin, last_imu_ = kTimeMin;
   TimeNs released_ = kTimeMin, last_cut_ = kTimeMin;
-  TimeNs start_ = kTimeMin;  ///< released before the first cut: no window reaches back to it
+  /// From the last cut to the last release beyond it, if that was ever so: no window reaches back to it.
+  TimeNs skipped_from_ = kTimeMin, skipped_until_ = kTimeMin;
   std::uint32_t next_index_ = 0;
   bool finished_ = false;
   bool imu_left_out_ = false;
