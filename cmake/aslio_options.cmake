@@ -94,17 +94,32 @@ if(NOT ASLIO_REPRODUCIBLE)
   unset(CMAKE_REQUIRED_QUIET)
 endif()
 
-# aslio_unity(TARGET [APART REGEX]): its sources are compiled eight at a time, as one that includes them; those whose path
-# matches, each by itself. Most of what a compiler does for one of ours is to read the standard library and Eigen.
-# Not for what computes a pose where ASLIO_FUSED.
+# aslio_unity(TARGET [APART REGEX]): its sources are compiled eight of a folder at a time, as one that includes them; those
+# whose path matches, each by itself. Most of what a compiler does for one of ours is to read the standard library and Eigen.
+# Not for what computes a pose where ASLIO_FUSED. Groups are counted folder by folder, so that a build in which whole folders
+# are apart compiles the others together as every build does: a clash of names is one in all of them.
 function(aslio_unity target)
   cmake_parse_arguments(ARG "" "APART" "" ${ARGN})
-  if(ARG_APART)
-    get_target_property(apart ${target} SOURCES)
-    list(FILTER apart INCLUDE REGEX "${ARG_APART}")
-    set_source_files_properties(${apart} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  endif()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${ASLIO_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  get_target_property(sources ${target} SOURCES)
+  set(counts "")
+  foreach(source IN LISTS sources)
+    if(ARG_APART AND source MATCHES "${ARG_APART}")
+      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      continue()
+    endif()
+    cmake_path(ABSOLUTE_PATH source OUTPUT_VARIABLE path)
+    cmake_path(GET path PARENT_PATH folder)
+    cmake_path(GET folder FILENAME name)
+    string(MD5 key "${folder}")
+    if(NOT DEFINED count_${key})
+      set(count_${key} 0)
+    endif()
+    math(EXPR group "${count_${key}} / 8")
+    math(EXPR count_${key} "${count_${key}} + 1")
+    string(SUBSTRING "${key}" 0 6 short)
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${name}_${short}_${group}")
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${ASLIO_UNITY} UNITY_BUILD_MODE GROUP)
 endfunction()
 
 find_program(CCACHE_PROGRAM ccache)

@@ -94,18 +94,17 @@ ScanMatcher::MatchSum ScanMatcher::measure(PointMatches& matches, Residual& resi
 }
 
 /// The projection onto directions whose eigenvalue of J^T W J is not too small. eq. SWP-3
-Mat6 ScanMatcher::held_directions(const Mat6& A) {
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(params_.sigma * params_.sigma * A);
-  Mat6 held = Mat6::Zero();
-  degenerate_ = false;
+void ScanMatcher::hold_directions(Descent& at) const {
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(params_.sigma * params_.sigma * at.sum.A);
+  at.held.setZero();
+  at.degenerate = false;
   for (int i = 0; i < 6; ++i) {
     if (solver.eigenvalues()[i] < params_.degenerate_eigenvalue) {
-      degenerate_ = true;
+      at.degenerate = true;
     } else {
-      held += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
+      at.held += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
     }
   }
-  return held;
 }
 
 /// One step of Gauss-Newton within the directions `held`.
@@ -130,14 +129,14 @@ bool ScanMatcher::descend(PointMatches Kind::*points, bool first, Descent& at) {
       (kind->*points).place(at.end);
       at.sum += measure(kind->*points, *kind->residual, at.end);
     }
-    result_.fresh_matches = static_cast<std::uint32_t>(at.sum.accepted);
-    if (static_cast<std::int64_t>(at.sum.accepted) < params_.min_matches) return false;
-    if (first && j == 0) at.held = held_directions(at.sum.A);
+    at.matches = static_cast<std::uint32_t>(at.sum.accepted);
+    if (static_cast<std::int64_t>(at.matches) < params_.min_matches) return false;
+    if (first && j == 0) hold_directions(at);
     const Step step = move(at.sum, at.held, at.end);
     if (step == Step::refused) return false;
-    converged_ = step == Step::small;
-    at.settled = converged_ && j == 0;
-    if (converged_) break;
+    at.converged = step == Step::small;
+    at.settled = at.converged && j == 0;
+    if (at.converged) break;
   }
   return true;
 }
@@ -145,7 +144,14 @@ bool ScanMatcher::descend(PointMatches Kind::*points, bool first, Descent& at) {
 void ScanMatcher::take(const Descent& at) {
   before_ = last_;
   last_ = at;
+  result_.fresh_matches = at.matches;
   trajectory_.correct(at.end);
+}
+
+/// What it found out is no part of a registration that was taken before it.
+bool ScanMatcher::drop(const Descent& at) {
+  if (!last_) result_.fresh_matches = at.matches;
+  return false;
 }
 
 /// eq. SWP-2. False: the pose stays.
@@ -160,7 +166,7 @@ bool ScanMatcher::match_map(const Map& map) {
         kind->all.associate(map, *kind->residual, frame_.viewpoint(at.end), 0xffffffff, kind->feature);
       }
     }
-    if (!descend(&Kind::all, search == 0, at)) return false;
+    if (!descend(&Kind::all, search == 0, at)) return drop(at);
   }
   take(at);
   return true;
@@ -186,8 +192,10 @@ void ScanMatcher::accept() {
     const Mat6 rest = Mat6::Identity() - last_->held;
     information += rest * measured(*before_) * rest;
   }
-  result_.left_open = degenerate_;
-  result_.status = degenerate_ ? UpdateStatus::degenerate : converged_ ? UpdateStatus::ok : UpdateStatus::not_converged;
+  result_.left_open = last_->degenerate;
+  result_.status = last_->degenerate  ? UpdateStatus::degenerate
+                   : last_->converged ? UpdateStatus::ok
+                                      : UpdateStatus::not_converged;
   if (uses_imu()) {
     state_ = imu_.correct(prior_, end, information);
     twist_.hold(end, state_.t);

@@ -81,6 +81,9 @@ class ScanMatcher final : public Estimator {
     Pose end;
     Mat6 held = Mat6::Identity();  ///< directions in which it may move, from the first rows
     MatchSum sum = {};             ///< of the last step
+    std::uint32_t matches = 0;     ///< of the last step
+    bool degenerate = false;       ///< it may not move in all directions
+    bool converged = false;        ///< the last step was small
     bool settled = false;          ///< new matches would change nothing
   };
 
@@ -88,13 +91,14 @@ class ScanMatcher final : public Estimator {
   void load(const Window& window, const StepContext& context);
   bool descend(PointMatches Kind::*points, bool first, Descent& at);
   void take(const Descent& at);
+  bool drop(const Descent& at);
   void list_clearest(Kind& kind);
   bool match_last_sweep();
   void associate_clearest(Kind& kind);
   bool match_map(const Map& map);
   MatchSum measure(PointMatches& matches, Residual& residual, const Pose& at);
   Step move(const MatchSum& sum, const Mat6& held, Pose& end);
-  Mat6 held_directions(const Mat6& A);
+  void hold_directions(Descent& at) const;
   Mat6 measured(const Descent& at) const;
   void accept();
   void refuse(UpdateStatus status);
@@ -113,7 +117,6 @@ class ScanMatcher final : public Estimator {
   NavState prior_;
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
   Frame frame_;
-  bool degenerate_ = false, converged_ = false;
   std::optional<Descent> last_,
       before_;  ///< of this window, taken: the last, and that against the last sweep before it
   std::vector<MatchSum> partials_;

@@ -99,7 +99,7 @@ bool ScanMatcher::match_last_sweep() {
       kind->clearest.place(at.end);
       associate_clearest(*kind);
     }
-    if (!descend(&Kind::clearest, search == 0, at)) return false;
+    if (!descend(&Kind::clearest, search == 0, at)) return drop(at);
   }
   take(at);
   return true;

@@ -31,7 +31,8 @@ void describe_age_taper(config::Binder& b, std::optional<double>& value);
 inline constexpr std::string_view kCapDoc = "most history points per fresh point";
 inline constexpr std::string_view kGateDoc = "largest residual of a history point that takes part";
 inline constexpr std::string_view kMaxResidualDoc =
-    "largest residual at its own update with which a point enters the history";
+    "largest residual at its own update with which a matched point enters the history (one that a gate left out counts "
+    "as not matched, and enters)";
 
 /// Pre: points of an update come in time order, and history_begin never decreases from window to window (what lies
 /// before it is forgotten).

@@ -10,7 +10,7 @@ namespace aslio::plugins {
 /// `on_exit`: a fresh point of the map tap enters the map when it leaves the window, once, where its own update placed
 /// it, or where the estimator holds it by then (Update::revision), and under the stamp of that update: before the first
 /// update whose window begins at its time or later. So no point of a window ever meets itself or its neighbours in
-/// time, and the map lags by a window; without a history the map is that of `on_new`.
+/// time, and the map lags by a window; where windows are no longer than their fresh interval, it is that of `on_new`.
 ///
 /// What enters once is what `on_new` inserts: the points of updates that were not refused. Those of a refused update
 /// are in no map, whatever comes later; those that were already waiting still enter at their time. A gap in the data

@@ -39,7 +39,7 @@ void SpacedPoints::offer(const WorldPoint& point) {
   // Cells of twice the spacing: whatever is too near lies in the cell or, per axis, in the one on the nearer side.
   const Vec3 scaled = point.p_W / (2.0 * spacing_);
   constexpr double most = 1e15;
-  if (!(scaled.cwiseAbs().maxCoeff() < most)) return;
+  if (!scaled.allFinite() || scaled.cwiseAbs().maxCoeff() >= most) return;  // maxCoeff() may pass over a NaN
   std::array<std::int64_t, 3> cell{}, side{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double s = scaled[static_cast<Eigen::Index>(axis)], floor = std::floor(s);

@@ -10,7 +10,7 @@ namespace aslio::plugins {
 /// `whole_window`: every update inserts all points of its window again, as SR-LIO does with its reconstructed sweep:
 /// the fresh ones, and before them the old ones moved along with the correction of this update (eq. INS-1), all under
 /// its stamp. Meant for a map that refuses points too near to others; any other one holds each point once per window
-/// that saw it. Without a history the map is that of `on_new`. Neither points of
+/// that saw it. Where windows are no longer than their fresh interval, the map is that of `on_new`. Neither points of
 /// updates that were not accepted nor those before them are part of later windows.
 class InsertWholeWindow final : public Insertion {
  public:

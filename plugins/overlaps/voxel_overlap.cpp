@@ -43,7 +43,8 @@ void VoxelOverlap::describe(config::Binder& b, Params& p) {
          "short frames rise)");
   b.integer("max_points", p.max_points, "", {.min = 0}, "points of a frame that are scored, spread evenly (0: all)");
   b.integer("min_points", p.min_points, "", {.min = 1},
-            "below this many points the score is undefined (a look ahead of the window scores 2000 points at most)");
+            "below this many points the score is undefined (a look ahead of the window scores 2000 at most, or with "
+            "'points: window' all)");
   b.require(p.max_points == 0 || p.max_points >= p.min_points, "max_points",
             "must be 0 or at least min_points, or no frame would ever have a score");
   b.stage("store", p.store, "what holds the occupied voxels");

@@ -40,6 +40,7 @@ class VoxelOverlap : public OverlapMetric {
   void trim(const Vec3& centre_W, double radius) override;
   void clear() override;
   std::size_t memory_bytes() const override;
+  bool frames_reach_back() const override { return frame_length_ > 0; }
 
  protected:
   /// beta: weight of layer 0, 1, .. ; beta[0] = 1.

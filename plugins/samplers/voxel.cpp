@@ -51,17 +51,25 @@ void VoxelSampler::sample(SampleBatch& batch) {
     all = static_cast<TapMask>(all & own);
   }
   if (any == 0) return;
+  moves_.clear();
   // Usually every point left has the same taps and one competition decides for all of them.
-  if (any == all || keep_ == Keep::mean) return compete(batch, any);
-  for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
-    if ((any & mask(tap)) != 0) compete(batch, mask(tap));
+  if (any == all) {
+    compete(batch, any);
+  } else {
+    for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
+      if ((any & mask(tap)) != 0) compete(batch, mask(tap));
+    }
   }
+  for (const Move& move : moves_) batch.body[move.point] = move.to;
 }
 
 void VoxelSampler::start_pass(std::size_t points) {
   const std::size_t wanted = std::bit_ceil(points + points / 2 + 1);  // at least a third free, if no two share a cube
   if (slots_.size() < wanted) slots_.resize(2 * wanted);              // the next larger frame needs no memory
-  if (keep_ == Keep::mean && sums_.size() < slots_.size()) sums_.resize(slots_.size());
+  if (keep_ == Keep::mean && sums_.size() < slots_.size()) {
+    sums_.resize(slots_.size());
+    moves_.reserve(3 * slots_.size());
+  }
   shift_ = 64 - std::countr_zero(wanted);
   if (++pass_ == 0) {
     for (Slot& slot : slots_) slot.pass = 0;
@@ -133,19 +141,19 @@ void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
     }
     for (std::size_t c = 0; c < count; ++c) challenge(batch, taps, candidates[c]);
   }
-  if (keep_ == Keep::mean) move_to_means(batch);
+  if (keep_ == Keep::mean) find_means(batch);
 }
 
-void VoxelSampler::move_to_means(SampleBatch& batch) const {
+void VoxelSampler::find_means(const SampleBatch& batch) {
   const std::size_t slots = std::size_t{1} << (64 - shift_);
   for (std::size_t at = 0; at < slots; ++at) {
     const Slot& slot = slots_[at];
     if (slot.pass != pass_) continue;
-    Eigen::Vector3f& p = batch.body[slot.holder];
+    const Eigen::Vector3f& p = batch.body[slot.holder];
     const Eigen::Vector3f q = p * leaves_per_metre_;
     const Eigen::Vector3f own(from_centre(q.x(), floor_to_int(q.x())), from_centre(q.y(), floor_to_int(q.y())),
                               from_centre(q.z(), floor_to_int(q.z())));
-    p += (sums_[at].distances / sums_[at].points - own) / leaves_per_metre_;
+    moves_.push_back({slot.holder, p + (sums_[at].distances / sums_[at].points - own) / leaves_per_metre_});
   }
 }
 

@@ -34,9 +34,11 @@ class VoxelSampler final : public Sampler {
 
   ActsOn acts_on() const override { return ActsOn::body; }
   bool moves_points() const override { return keep_ == Keep::mean; }
+  bool takes_features() const override { return of_ != Of::all; }
   /// Points compete within a cube, for each tap among those that still have it. Cubes are aligned to the body frame
-  /// at the end of the window. With `mean` they compete once, for all taps. One of the clearest of its class yields to
-  /// none but such. Points that are not finite, or 2^20 cubes away, lose the taps.
+  /// at the end of the window. With `mean`, one that stays for taps whose points differ lies at the mean of the last
+  /// of overlap, map and match. One of the clearest of its class yields to none but such. Points that are not finite,
+  /// or 2^20 cubes away, lose the taps.
   void sample(SampleBatch& batch) override;
 
  private:
@@ -63,11 +65,17 @@ class VoxelSampler final : public Sampler {
     Eigen::Vector3f distances = Eigen::Vector3f::Zero();  ///< from the centre of the cube, in leaves
   };
 
+  /// Where a point goes once all competitions are over, which take points where they are.
+  struct Move {
+    std::uint32_t point = 0;
+    Eigen::Vector3f to;
+  };
+
   void compete(SampleBatch& batch, TapMask taps);
   /// Nothing where the point takes no part, or loses its taps for being nowhere.
   inline bool enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const;
   inline void challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate);
-  void move_to_means(SampleBatch& batch) const;
+  void find_means(const SampleBatch& batch);
   void start_pass(std::size_t points);
   inline bool concerns(const SampleBatch& batch, std::size_t i) const;
 
@@ -77,6 +85,7 @@ class VoxelSampler final : public Sampler {
   TapMask taps_;
   std::vector<Slot> slots_;  ///< open addressing; a slot of an older pass is free, so that nothing needs clearing
   std::vector<Sum> sums_;    ///< of the slots, with `mean`
+  std::vector<Move> moves_;
   std::uint32_t pass_ = 0;
   int shift_ = 0;  ///< of a 64-bit hash to a slot in use
 };

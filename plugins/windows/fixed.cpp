@@ -19,7 +19,8 @@ std::optional<Tile> settle_sweep(const StreamView& stream, TimeNs begin, TimeNs 
 }  // namespace
 
 void FixedWindow::describe(config::Binder& b, Params& p) {
-  b.real("period", p.period, "s", {.min = 1e-3, .max = 10.0}, "time between updates");
+  b.real("period", p.period, "s", {.min = 1e-3, .max = 10.0},
+         "time between updates; with 'cut: sweep' that of the sensor's sweeps");
   b.choice("cut", p.cut, {{"time", Cut::time}, {"sweep", Cut::sweep}},
            "where a window ends: every period, or with the last point of each sweep");
   b.optional_real("frame_length", p.frame_length, "s", {.min = 1e-3, .max = 10.0}, "= period",
@@ -29,13 +30,13 @@ void FixedWindow::describe(config::Binder& b, Params& p) {
          "sod_adaptive: a start in motion is met at its slowest rate");
   b.require(p.warmup == 0.0 || (p.frame_length && p.cut == Cut::time), "warmup",
             "is a time of updates every frame_length: it needs that to be set, and 'cut: time'");
-  b.require(!p.frame_length || *p.frame_length >= p.period, "frame_length",
+  b.require(!p.frame_length || p.cut == Cut::sweep || *p.frame_length >= p.period, "frame_length",
             "must be at least the period, or points between two windows would never be used");
 }
 
-FixedWindow::FixedWindow(const Params& params, const BuildContext&)
-    : period_(to_ns(params.period)),
-      frame_length_(to_ns(params.frame_length.value_or(params.period))),
+FixedWindow::FixedWindow(const Params& params, const BuildContext& context)
+    : period_(to_ns(params.cut == Cut::sweep ? context.sensor.sweep_period : params.period)),
+      frame_length_(params.frame_length ? to_ns(*params.frame_length) : period_),
       warmup_(to_ns(params.warmup)),
       cut_(params.cut) {}
 

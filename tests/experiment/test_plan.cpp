@@ -12,7 +12,7 @@ using namespace aslio::experiment;
 namespace {
 
 /// Two data x order seeds 0 and 7 x (as_lio, fixed, shifted).
-std::string study_text() {
+std::string plan_text() {
   return head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\nmethods:\n" + method("as_lio", "as_lio") +
          method("fixed", "fixed_window") +
          method("shifted", "as_lio", "set: {window: {type: replay, file: '{run:as_lio}/updates.csv', shift: 5}}") +
@@ -33,7 +33,7 @@ std::vector<std::string> selection(const Study& study, const std::string& glob) 
 
 TEST_CASE("runs come by data, order seed and method, and know the runs they use") {
   const StudyFiles files;
-  const Study study = files.load(study_text());
+  const Study study = files.load(plan_text());
   const auto runs = plan_runs(study, "program");
   REQUIRE(runs.size() == 12);
   CHECK(selection(study, "") ==
@@ -59,7 +59,7 @@ TEST_CASE("the folder of the kept truth stands for its placeholder in every valu
 
 TEST_CASE("a glob selects by data, method or both, with the runs that are used") {
   const StudyFiles files;
-  const Study study = files.load(study_text());
+  const Study study = files.load(plan_text());
   CHECK(selection(study, "scene_a_2/fix*") == std::vector<std::string>{"scene_a_2/fixed", "scene_a_2/fixed_order_7"});
   CHECK(selection(study, "scene_a_1").size() == 6);
   CHECK(selection(study, "*_2/shifted") == std::vector<std::string>{"scene_a_2/as_lio", "scene_a_2/shifted"});
@@ -99,7 +99,7 @@ TEST_CASE("the key of a run changes with what the run depends on, and with nothi
   const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
     return text.replace(text.find(from), from.size(), to);
   };
-  const std::string text = study_text();
+  const std::string text = plan_text();
   const auto before = keys(text);
   for (std::size_t i = 0; i < before.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) CHECK(before[i] != before[j]);

@@ -66,6 +66,7 @@ class OverlapSpy final : public OverlapMetric {
     inner_->extend(points, t);
   }
   void trim(const Vec3& centre_W, double radius) override { inner_->trim(centre_W, radius); }
+  bool frames_reach_back() const override { return inner_->frames_reach_back(); }
   void clear() override { inner_->clear(); }
   std::size_t memory_bytes() const override { return inner_->memory_bytes(); }
 

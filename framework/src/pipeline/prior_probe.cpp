@@ -27,7 +27,7 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   for (std::uint32_t i = 0; i < raw.size(); ++i) {
     if (taps_[i] != 0) left_.push_back(i);
   }
-  const std::size_t taken = std::min(left_.size(), kMostPoints);
+  const std::size_t taken = overlap_.frames_reach_back() ? left_.size() : std::min(left_.size(), kMostPoints);
   const double span = to_seconds(t - from.t);
   OneOfEachRun choice(taken, left_.size(), 0);
   for (std::size_t k = 0; k < taken; ++k) {

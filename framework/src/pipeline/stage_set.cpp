@@ -57,7 +57,18 @@ void require_input(const PipelineConfig& config, const StageSet& stages, bool ha
   }
 }
 
+void require_features(const PipelineConfig& config, const SamplerChain& samplers) {
+  const std::size_t lacking = samplers.first_without_features();
+  if (lacking == samplers.size()) return;
+  throw StageError(
+      fmt::format("samplers.{}", lacking),
+      fmt::format("samplers.{}: '{}' picks points by their class, and no sampler before it gives them one: "
+                  "put {{type: curvature_features}} before it, or let it take all points",
+                  lacking, config.samplers[lacking].type()));
+}
+
 void require_fit(const PipelineConfig& config, const StageSet& stages, bool has_samplers) {
+  if (has_samplers) require_features(config, stages.samplers);
   if (stages.estimator) require_input(config, stages, has_samplers);
   if (!stages.map) return;
   if (stages.insertion && stages.insertion->needs_nearest_points() && stages.map->content() == MapContent::surfaces) {

@@ -147,6 +147,20 @@ TEST_CASE("scan_matcher: a direction that nothing holds keeps the prediction, an
   }
 }
 
+TEST_CASE("scan_matcher: a search in the map that finds too little says nothing of what the last sweep found") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.3), .drift = Vec3(0.4, 0, 0)};
+  Matcher matcher;
+  for (std::uint32_t k = 0; k < 4; ++k) matcher.step(RingWindow(k, motion));
+  matcher.filter.map->clear();
+  const WorldPoint far{.p_W = Vec3(50, 50, 0), .feature = feature_class::plane};
+  matcher.filter.map->insert(std::vector<WorldPoint>(1, far), 1);
+  REQUIRE(matcher.filter.map->size() == 1);
+  const Update& update = matcher.step(RingWindow(4, motion));
+  CHECK(update.accepted);
+  CHECK(update.status == UpdateStatus::ok);
+  CHECK(update.fresh_matches > 50);
+}
+
 TEST_CASE("scan_matcher refuses to match nothing in between") {
   CHECK_THROWS_WITH(Filter({"estimator={type: scan_matcher, map_every: 4, sweep_searches: 0}"}),
                     Catch::Matchers::Contains("map_every") && Catch::Matchers::Contains("sweep_searches"));

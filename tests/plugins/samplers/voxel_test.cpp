@@ -75,6 +75,23 @@ TEST_CASE("voxel keeps the point nearest to the centre of its cube, and of equal
   CHECK(batch.taps == std::vector<TapMask>{without_map, kAllTaps, without_map, without_map});
 }
 
+TEST_CASE("voxel keeps a point for every tap that has one in the cube, also where it moves them to means") {
+  test::BuildEnvironment environment;
+  VoxelSampler sampler({.leaf = 1.0, .keep = VoxelSampler::Keep::mean, .taps = {"overlap", "map", "match"}},
+                       environment.context());
+  test::Batch batch;
+  batch.add({0.5f, 0.5f, 0.5f});
+  batch.add({0.7f, 0.5f, 0.5f});
+  batch.add({0.9f, 0.5f, 0.5f});
+  const TapMask map = mask(Tap::map), match = mask(Tap::match);
+  batch.taps = {map, static_cast<TapMask>(map | match), match};
+  SampleBatch view = batch.view();
+  sampler.sample(view);
+  CHECK(batch.taps == std::vector<TapMask>{map, match, 0});
+  CHECK(batch.body[0].x() == Approx(0.6f));
+  CHECK(batch.body[1].x() == Approx(0.8f));  // of the two as they were
+}
+
 TEST_CASE("voxel moves the point that it keeps to the mean of its cube") {
   test::BuildEnvironment environment;
   VoxelSampler sampler({.leaf = 1.0, .keep = VoxelSampler::Keep::mean, .taps = {"map", "match"}},

@@ -71,6 +71,28 @@ TEST_CASE("fixed: a warm-up has an update every frame_length, until so long afte
   }
 }
 
+TEST_CASE("fixed: with sweeps the period is that of the sensor, whatever the key says") {
+  test::BuildEnvironment environment;
+  environment.sensor.sweep_period = 0.05;
+  FixedWindow::Params params;
+  params.cut = FixedWindow::Cut::sweep;
+  params.frame_length = 0.08;
+  FixedWindow strategy(params, environment.context());
+  CHECK(strategy.reach() == 80 * kMs);  // longer than a sweep: there is history
+  std::vector<TimedPoint> points;
+  test::add_points(points, 0, 500 * kMs, kMs);
+  // Of sweeps of 50 ms the third and fourth are missing, and then only the third.
+  for (TimedPoint& p : points) p.sweep_id = static_cast<std::uint32_t>((p.t - 1) / (50 * kMs));
+  std::erase_if(points, [](const TimedPoint& p) { return p.sweep_id == 2 || p.sweep_id == 3 || p.sweep_id == 6; });
+  test::FakeProbe probe = test::blind_probe();
+  test::WindowLoop loop(strategy, probe, 0, [](const WindowPlan&) { return 0.1; });
+  test::FakeStream stream = stream_of(std::move(points));
+  stream.finish();
+  loop.run(stream);
+  REQUIRE(loop.plans.size() == 7);
+  for (std::size_t i = 0; i < loop.plans.size(); ++i) CHECK(loop.plans[i].partial == (i == 2));
+}
+
 TEST_CASE("fixed: few points do not lengthen a window") {
   std::vector<TimedPoint> points;
   test::add_points(points, 0, 400 * kMs, 40 * kMs);

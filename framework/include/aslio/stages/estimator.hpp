@@ -64,8 +64,10 @@ struct StageTimes {
 /// Result of one update. Owned by the estimator, valid until its next update; spans point into it.
 struct Update {
   UpdateStatus status = UpdateStatus::initialising;
-  bool accepted = false;     ///< the state was corrected by this window's points
-  bool insert = true;        ///< the points may enter map, overlap and history (false: refused step)
+  bool accepted = false;  ///< the state was corrected by this window's points
+  /// The points may enter map, overlap and history. False after a refused step, unless the dead reckoning that placed
+  /// them is still good: in space never seen before there is nothing to match.
+  bool insert = true;
   bool left_open = false;    ///< the points left a direction unknown (`degenerate`, or hidden by `not_converged`)
   bool restart_map = false;  ///< the map is to begin anew with these points: what it holds was placed too badly
   NavState prior;            ///< at the end of the window, propagated

@@ -31,6 +31,8 @@ class OverlapMetric : public Stage {
   /// the centre has moved by a tenth of the radius, and in the corners of the cube around it. So a metric
   /// may leave out points whose range is beyond nine tenths of the radius: they would be forgotten on the way.
   virtual void trim(const Vec3& centre_W, double radius) = 0;
+  /// Whether a frame holds points of earlier calls, too, beside which fewer new ones would count for less.
+  virtual bool frames_reach_back() const { return false; }
   /// Forgets everything, as if nothing had been extended.
   virtual void clear() = 0;
   virtual std::size_t memory_bytes() const = 0;

@@ -37,6 +37,8 @@ class Sampler : public Stage {
   virtual bool moves_points() const { return false; }
   /// Whether it sets the feature_class of points.
   virtual bool gives_features() const { return false; }
+  /// Whether it decides by the feature_class of points. If so, one before it has to give it.
+  virtual bool takes_features() const { return false; }
   /// What the update before told, once before every update; after a new start, as before the first.
   virtual void observe(const Feedback&) {}
   virtual void sample(SampleBatch& batch) = 0;
@@ -61,6 +63,13 @@ class SamplerChain {
   bool gives_features() const {
     return std::any_of(members_.begin(), members_.end(), [](const auto& member) { return member->gives_features(); });
   }
+  /// Place of the first that takes features where none before it gives any; size() if there is none such.
+  std::size_t first_without_features() const {
+    std::size_t i = 0;
+    while (i < members_.size() && !members_[i]->takes_features() && !members_[i]->gives_features()) ++i;
+    return i < members_.size() && members_[i]->takes_features() ? i : members_.size();
+  }
+  std::size_t size() const { return members_.size(); }
 
  private:
   std::vector<std::unique_ptr<Sampler>> members_;
