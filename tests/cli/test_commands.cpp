@@ -110,7 +110,7 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
       {head + "map: {type: feature_maps}\nestimator: scan_matcher\n",
        {":5:11: samplers: none of them tells edges from planes", "'scan_matcher'", "curvature_features"}},
       {with(head, "{type: range}", "{type: range}, {type: voxel, of: plane}, {type: curvature_features}") + points,
-       {":5:26: samplers.1: 'voxel' picks points by their class", "{type: curvature_features} before it"}},
+       {":5:27: samplers.1: 'voxel' picks points by their class", "{type: curvature_features} before it"}},
       {with(head, "{type: fixed}", replay) + points,
        {":2:9: window: ", "gone.csv: cannot open the schedule", "name the updates.csv of a run"}},
       {with(head, "{type: fixed}", schedule) + points, {":2:9: window: ", "torn.csv:3: t_ns 'x' is not a time"}}};

@@ -55,6 +55,25 @@ struct Watched {
   std::vector<pipeline::UpdateRecord> updates;
 };
 
+/// What the overlap is asked to score.
+class Scored final : public Observer {
+ public:
+  void before(const std::string& call) override {
+    evaluations += call == "evaluate" ? 1 : 0;
+    ahead_ = ahead_ || call == "next";
+  }
+  void after(const std::string& call) override { ahead_ = ahead_ && call != "next"; }
+  void on_evaluate(std::span<const WorldPoint> points) override {
+    for (const WorldPoint& p : points) beyond += p.range > 4.0F ? 1 : 0;
+    scored += points.size();
+    if (ahead_) most_ahead = std::max(most_ahead, points.size());
+  }
+  std::size_t evaluations = 0, beyond = 0, scored = 0, most_ahead = 0;
+
+ private:
+  bool ahead_ = false;  ///< a window is being decided
+};
+
 /// What the history lends after the map began anew, and the updates with which it did.
 class AfterRestarts final : public Observer {
  public:
@@ -182,16 +201,7 @@ TEST_CASE("samplers know what the update before told") {
 }
 
 TEST_CASE("a look ahead asks for the points that the samplers leave to the overlap") {
-  class Ranges final : public Observer {
-   public:
-    void before(const std::string& call) override { evaluations += call == "evaluate" ? 1 : 0; }
-    void after(const std::string&) override {}
-    void on_evaluate(std::span<const WorldPoint> points) override {
-      for (const WorldPoint& p : points) beyond += p.range > 4.0F ? 1 : 0;
-      scored += points.size();
-    }
-    std::size_t evaluations = 0, beyond = 0, scored = 0;
-  } ranges;
+  Scored ranges;
   const simulator::AnalyticWorld world({.duration_scale = 0.5});
   const auto source = world.source();
   const plugin::Catalog catalog = spied(built_in_stages(), ranges);
@@ -201,6 +211,22 @@ TEST_CASE("a look ahead asks for the points that the samplers leave to the overl
   CHECK(ranges.evaluations > 2 * run.updates.size());
   CHECK(ranges.scored > 1000);
   CHECK(ranges.beyond == 0);
+}
+
+TEST_CASE(
+    "a look ahead into a frame that reaches back takes all points: fewer would count for less than the old ones") {
+  const simulator::AnalyticWorld world({.duration_scale = 0.5});
+  const Recording recording = record(*world.source(), world.begin_time() + to_ns(2.0));
+  const auto most = [&](const std::string& points) {
+    Scored scored;
+    const plugin::Catalog catalog = spied(built_in_stages(), scored);
+    Run run(shipped("as_lio", {"window.lookahead=true", "window.seg_step=0.9", "overlap.points=" + points}, catalog),
+            world.sensor());
+    run.play(recording);
+    return scored.most_ahead;
+  };
+  CHECK(most("latest") == 2000);
+  CHECK(most("window") > 2000);
 }
 
 TEST_CASE("a map that has begun anew knows no view") {

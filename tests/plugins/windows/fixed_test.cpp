@@ -81,7 +81,7 @@ TEST_CASE("fixed: with sweeps the period is that of the sensor, whatever the key
   CHECK(strategy.reach() == 80 * kMs);  // longer than a sweep: there is history
   std::vector<TimedPoint> points;
   test::add_points(points, 0, 500 * kMs, kMs);
-  // Of sweeps of 50 ms the third and fourth are missing, and then only the third.
+  // Of sweeps of 50 ms the third and fourth are missing, and the seventh alone.
   for (TimedPoint& p : points) p.sweep_id = static_cast<std::uint32_t>((p.t - 1) / (50 * kMs));
   std::erase_if(points, [](const TimedPoint& p) { return p.sweep_id == 2 || p.sweep_id == 3 || p.sweep_id == 6; });
   test::FakeProbe probe = test::blind_probe();
