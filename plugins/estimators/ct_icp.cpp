@@ -113,7 +113,7 @@ BeginEndInformation CtIcp::measure(PointMatches& matches, bool fresh, double gat
           const BeginEnd::At at = fresh ? path_.at(share_[i]) : end;
           const double weight = matches.weight.empty() ? 1.0 : matches.weight[i];
           for (const ResidualRow& z : match)
-            if (z.information > 0.0) out.add(at, matches.world[i], z.J, z.r, weight * z.information);
+            if (z.takes_part()) out.add(at, matches.world[i], z.J, z.r, weight * z.information);
         }
         return out;
       },

@@ -109,7 +109,7 @@ PoseInformation Icp::sum(PointMatches& matches, const Pose& at, double gate) {
           if (!within(match, gate * gate)) continue;
           const double weight = matches.weight.empty() ? 1.0 : matches.weight[i];
           for (const ResidualRow& z : match)
-            if (z.information > 0.0) out.add(matches.body[i], Rt, z.J, z.r, weight * z.information);
+            if (z.takes_part()) out.add(matches.body[i], Rt, z.J, z.r, weight * z.information);
         }
         return out;
       },

@@ -182,7 +182,7 @@ WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, const Gate&
       const auto rows = std::span<const ResidualRow>(set.rows).subspan(i * rows_per_match, rows_per_match);
       if (!gate.passes(rows, set.range[i])) continue;
       for (const ResidualRow& z : rows) {
-        if (z.information <= 0.0) continue;
+        if (!z.takes_part()) continue;
         const double information = (set.weight.empty() ? 1.0 : set.weight[i]) * z.information;
         if (set.lag.empty()) {
           lanes.add(set.body[i], z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1

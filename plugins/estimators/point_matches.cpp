@@ -97,13 +97,16 @@ MatchRecord record_of(std::span<const ResidualRow> rows, double& squares) {
   double last = 0;
   squares = 0;
   for (const ResidualRow& row : rows) {
-    if (!(row.information > 0.0)) continue;
-    out.accepted = true;
+    out.matched = out.matched || row.measures();
+    out.accepted = out.accepted || row.takes_part();
+  }
+  for (const ResidualRow& row : rows) {
+    if (!(out.accepted ? row.takes_part() : row.measures())) continue;
     squares += row.r * row.r;
     last = row.r;
   }
   // One row is signed; several are the components of a vector.
-  if (out.accepted) out.residual = static_cast<float>(rows.size() == 1 ? last : std::sqrt(squares));
+  if (out.matched) out.residual = static_cast<float>(rows.size() == 1 ? last : std::sqrt(squares));
   return out;
 }
 

@@ -30,7 +30,8 @@ bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const Wind
 /// was seen of a direction.
 Mat6 bounded_covariance(const Mat6& information);
 
-/// What became of one match, given its rows, and its |r|^2 [m^2].
+/// What became of one match, given its rows, and its |r|^2 [m^2]: of the rows that take part, or of all that measure
+/// where none does.
 MatchRecord record_of(std::span<const ResidualRow> rows, double& squares);
 
 /// What became of every match, given its rows of the last evaluation, and the root mean square of |r| over those with a
@@ -42,7 +43,7 @@ std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_p
 /// information.
 inline bool within(std::span<const ResidualRow> rows, double limit) {
   return std::all_of(rows.begin(), rows.end(),
-                     [limit](const ResidualRow& z) { return z.information <= 0.0 || z.r * z.r <= limit; });
+                     [limit](const ResidualRow& z) { return !z.takes_part() || z.r * z.r <= limit; });
 }
 
 struct PointMatches {

@@ -190,19 +190,18 @@ void PointwiseEskf::take_points(std::size_t begin, std::size_t end, const Map& m
   const Mat3 Rt = now_.x.R.transpose();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const ResidualRow& row = rows_[k];
-    if (!(row.information > 0)) continue;
     const Vec3 u_I = Rt * row.J;
     Vec6& h = row_slopes_[k];
     h << body[k / rows_per_match].cross(u_I), row.J;
+    if (!row.takes_part()) continue;
     update.pose(h, row.r, 1.0 / row.information);
     information_.noalias() += (row.information * h) * h.transpose();
   }
   correct(update);
   nis_sum_ += update.nis();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    if (!(rows_[k].information > 0)) continue;
     rows_[k].r += row_slopes_[k].dot(update.delta().head<6>());
-    ++nis_rows_;
+    if (rows_[k].takes_part()) ++nis_rows_;
   }
   double squares = 0;
   for (std::size_t i = 0; i < n; ++i) {

@@ -81,7 +81,7 @@ ScanMatcher::MatchSum ScanMatcher::measure(PointMatches& matches, Residual& resi
           std::size_t used = 0;
           for (std::size_t row = i * rows; row < (i + 1) * rows; ++row) {
             const ResidualRow& z = matches.rows[row];
-            if (z.information <= 0.0) continue;
+            if (!z.takes_part()) continue;
             out.add(matches.body[i], Rt, z.J, z.r, z.information);
             ++used;
           }

@@ -76,7 +76,7 @@ void Smoother::measure(Slice& slice) {
         SliceInformation sum;
         for (std::size_t row = begin * rows_per_match; row < end * rows_per_match; ++row) {
           const ResidualRow& z = points.rows[row];
-          if (z.information <= 0.0) continue;
+          if (!z.takes_part()) continue;
           const std::size_t i = row / rows_per_match;
           sum.add(slice.lever[i], slice.share[i], z.J, z.r, z.information);
         }

@@ -12,7 +12,8 @@ Reuse rules(const BalancedHistory::Params& p) {
           .cap = p.rho == 0.0 ? 0.0 : p.cap,  // what weighs nothing need not be matched
           .age_taper = p.age_taper,
           .gate = p.gate,
-          .max_residual = p.max_residual};
+          .max_residual = p.max_residual,
+          .refused = p.refused};
 }
 
 }  // namespace
@@ -25,6 +26,7 @@ void BalancedHistory::describe(config::Binder& b, Params& p) {
   describe_age_taper(b, p.age_taper);
   b.real("gate", p.gate, "sigma", {.above = 0.0, .max = 1000.0}, kGateDoc);
   b.real("max_residual", p.max_residual, "m", {.above = 0.0, .max = 1000.0}, kMaxResidualDoc);
+  describe_refused(b, p.refused);
   describe_self_match_exclusion(b, p.self_match_exclusion);
 }
 

@@ -18,6 +18,7 @@ class BalancedHistory final : public WindowHistory {
     std::optional<double> age_taper = std::nullopt;
     double gate = 3.0;
     double max_residual = 0.1;
+    Refused refused = Refused::enter;
     bool self_match_exclusion = true;
   };
   static void describe(config::Binder& b, Params& p);

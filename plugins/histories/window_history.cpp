@@ -27,6 +27,12 @@ void describe_age_taper(config::Binder& b, std::optional<double>& value) {
                   "time in which the weight of a point falls by a factor e");
 }
 
+void describe_refused(config::Binder& b, Refused& value) {
+  b.choice("refused", value, {{"enter", Refused::enter}, {"by_residual", Refused::by_residual}},
+           "points whose match a gate refused at their own update: they enter as if they had found no surface, or by "
+           "max_residual as all others (without one: all enter)");
+}
+
 void Reuse::describe(config::Binder& b, Reuse& p) {
   describe_self_match_exclusion(b, p.self_match_exclusion);
   describe_covariance(b, p.covariance);
@@ -34,6 +40,7 @@ void Reuse::describe(config::Binder& b, Reuse& p) {
   describe_age_taper(b, p.age_taper);
   b.optional_real("gate", p.gate, "sigma", {.above = 0.0, .max = 1000.0}, "no gate", kGateDoc);
   b.optional_real("max_residual", p.max_residual, "m", {.above = 0.0, .max = 1000.0}, "any", kMaxResidualDoc);
+  describe_refused(b, p.refused);
 }
 
 HistorySelection WindowHistory::select(const Window& window) {
@@ -72,8 +79,7 @@ void WindowHistory::commit(const Window& window, const Update& update) {
   const auto points = update.points(Tap::match);
   for (std::size_t i = 0; i < points.size(); ++i) {
     HistoryPoint point{.p_W = points[i].p_W, .t = points[i].t, .range = points[i].range};
-    const bool matched = i < update.matches.size() && update.matches[i].accepted;
-    point.residual = matched ? std::abs(update.matches[i].residual) : -1.0f;
+    point.residual = i < update.matches.size() ? residual_of(update.matches[i]) : -1.0f;
     point.sequence = window.sequence;
     if (reuse_.max_residual && !(point.residual <= static_cast<float>(*reuse_.max_residual))) continue;
     points_.push_back(point);
@@ -81,6 +87,11 @@ void WindowHistory::commit(const Window& window, const Update& update) {
   if (!window.fresh.empty()) {
     matched_per_fresh_ = static_cast<double>(points.size()) / static_cast<double>(window.fresh.size());
   }
+}
+
+float WindowHistory::residual_of(const MatchRecord& match) const {
+  const bool counts = reuse_.refused == Refused::by_residual ? match.matched || match.accepted : match.accepted;
+  return counts ? std::abs(match.residual) : -1.0f;
 }
 
 void WindowHistory::reset() {

@@ -11,7 +11,15 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/history.hpp"
 
+namespace aslio {
+struct MatchRecord;  // stages/estimator.hpp
+}
+
 namespace aslio::plugins {
+
+/// How a point enters whose match a gate refused at its own update: as one that found no surface, whatever max_residual
+/// says, or by its residual as any other.
+enum class Refused : std::uint8_t { enter, by_residual };
 
 /// Rules of re-use; the defaults take every point as it is.
 struct Reuse {
@@ -21,6 +29,7 @@ struct Reuse {
   std::optional<double> age_taper = std::nullopt;     ///< [s]
   std::optional<double> gate = std::nullopt;          ///< [sigma]
   std::optional<double> max_residual = std::nullopt;  ///< [m]
+  Refused refused = Refused::enter;
 
   static void describe(config::Binder& b, Reuse& p);
 };
@@ -28,11 +37,12 @@ struct Reuse {
 void describe_self_match_exclusion(config::Binder& b, bool& value);
 void describe_covariance(config::Binder& b, HistoryCovariance& value);
 void describe_age_taper(config::Binder& b, std::optional<double>& value);
+void describe_refused(config::Binder& b, Refused& value);
 inline constexpr std::string_view kCapDoc = "most history points per fresh point";
 inline constexpr std::string_view kGateDoc = "largest residual of a history point that takes part";
 inline constexpr std::string_view kMaxResidualDoc =
-    "largest residual at its own update with which a matched point enters the history (one that a gate left out counts "
-    "as not matched, and enters)";
+    "largest residual at its own update with which a matched point enters the history; one that found no surface "
+    "enters";
 
 /// Pre: points of an update come in time order, and history_begin never decreases from window to window (what lies
 /// before it is forgotten).
@@ -55,6 +65,8 @@ class WindowHistory : public HistoryPolicy {
     TimeNs t = 0;
   };
 
+  /// HistoryPoint::residual: what max_residual judges a point by.
+  float residual_of(const MatchRecord& match) const;
   void forget(TimeNs until);
   std::size_t most(const Window& window, std::size_t offered) const;
 

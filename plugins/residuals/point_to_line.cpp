@@ -80,8 +80,8 @@ void PointToLine::evaluate(std::span<const Vec3> world, std::span<const float> r
       const Vec3 u = line.normal.unitOrthogonal(), v = line.normal.cross(u);
       const double a = u.dot(off), b = v.dot(off), squared = a * a + b * b;
       const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * squared;
-      if (!inside || !std::isfinite(squared)) continue;
-      const double known = line.quality * weight(std::sqrt(squared)) * information;
+      if (!std::isfinite(squared)) continue;
+      const double known = inside ? line.quality * weight(std::sqrt(squared)) * information : 0.0;
       rows[2 * i] = {a, u, known};
       rows[2 * i + 1] = {b, v, known};
     }

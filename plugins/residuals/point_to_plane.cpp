@@ -117,10 +117,12 @@ void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> 
       const Surface& surface = surfaces[i];
       if (!surface.valid) continue;
       const double r = surface.normal.dot(world[i] - surface.anchor);
+      if (!std::isfinite(r)) continue;
+      rows[i] = {r, surface.normal, 0.0};
       const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
-      if (!inside || !(std::abs(r) <= farthest) || !std::isfinite(r)) continue;
+      if (!inside || !(std::abs(r) <= farthest)) continue;
       const double information = shared ? 1.0 / (variance + surface.sharers * common) : alone;  // eq. RES-5
-      rows[i] = {r, surface.normal, surface.quality * weight(r) * information};
+      rows[i].information = surface.quality * weight(r) * information;
     }
   });
 }

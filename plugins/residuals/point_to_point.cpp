@@ -36,10 +36,12 @@ void PointToPoint::evaluate(std::span<const Vec3> world, std::span<const float>,
       if (!surfaces[i].valid) continue;
       const Vec3 r = world[i] - surfaces[i].anchor;
       const double squared = r.squaredNorm();
-      if (!std::isfinite(squared) || (params_.gate > 0 && squared >= farthest * farthest)) continue;
+      if (!std::isfinite(squared)) continue;
+      const bool inside = params_.gate == 0 || squared < farthest * farthest;
       const double bell = params_.kernel == Kernel::none ? 1.0 : sigma / (sigma + squared);
+      const double known = inside ? bell * bell * information : 0.0;
       for (int axis = 0; axis < 3; ++axis) {
-        rows[3 * i + static_cast<std::size_t>(axis)] = {r[axis], Vec3::Unit(axis), bell * bell * information};
+        rows[3 * i + static_cast<std::size_t>(axis)] = {r[axis], Vec3::Unit(axis), known};
       }
     }
   });

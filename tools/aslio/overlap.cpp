@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string_view>
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
@@ -12,6 +13,7 @@
 #include "console.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 #include "recording.hpp"
 #include "stages.hpp"
 
@@ -100,19 +102,20 @@ int score(const OverlapArguments& a, const CLI::App& app) {
     file.write(experiment::overlap_series_line(sample));
     ++lines;
   };
-  experiment::OverlapSeriesEnd end;
-  try {
-    end = experiment::score_overlap(options, stages.catalog, take, interrupted);
-  } catch (const DataError& error) {
-    if (lines == 0) throw;
-    file.close();
-    throw DataError(fmt::format("{}; {} has the {} frames before", error.what(), a.output, lines));
+  ProgressDisplay display(a.quiet, stderr_is_terminal());
+  const experiment::OverlapSeriesEnd end = experiment::score_overlap(options, stages.catalog, take, display);
+  display.clear();
+  for (const std::string& warning : end.late_warnings) tell("warning: " + warning);
+  if (lines > 0) file.close();
+  const auto kept = [&](std::string_view join) {
+    return lines > 0 ? fmt::format("{}{} has the {} frames before", join, a.output, lines) : "";
+  };
+  if (end.failure) {
+    complain(*end.failure + kept("; "));
+    return end.bad_data ? kBadData : kRunFailed;
   }
-  for (const std::string& warning : end.warnings) tell("warning: " + warning);
-  if (end.interrupted && lines == 0) return kInterrupted;
-  file.close();
   if (end.interrupted) {
-    tell(fmt::format("interrupted: {} has the {} frames before", a.output, lines));
+    tell("interrupted" + kept(": "));
     return kInterrupted;
   }
   if (!a.quiet) print(report(a, end, means));
@@ -142,7 +145,7 @@ void add_options(CLI::App& app, OverlapArguments& a) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   add_plugin_option(app, a.plugins);
-  app.add_flag("--quiet", a.quiet, "no report; warnings and errors remain");
+  app.add_flag("--quiet", a.quiet, "no progress and no report; warnings and errors remain");
 }
 
 }  // namespace

@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <exception>
 #include <iterator>
 #include <random>
+#include <utility>
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/odometry.hpp"
+#include "monitoring.hpp"
 
 namespace aslio::experiment {
 
@@ -33,13 +36,14 @@ class Directions {
 /// Cuts the stream into frames, places and scores them.
 class Scorer {
  public:
-  Scorer(const OverlapSeriesOptions& options, OverlapMetric& metric, const SensorModel& sensor,
-         const std::function<void(const OverlapSample&)>& take)
+  Scorer(const OverlapSeriesOptions& options, Trajectory path, OverlapMetric& metric, const SensorModel& sensor,
+         const std::function<void(const OverlapSample&)>& take, ProgressFeed& feed)
       : options_(options),
         metric_(metric),
         sensor_(sensor),
         take_(take),
-        path_(io::read_tum(options.trajectory)),
+        feed_(feed),
+        path_(std::move(path)),
         max_gap_(to_ns(measuring_options(path_, evaluation::Rule::interpolated).max_reference_gap)),
         period_(to_ns(options.period)),
         directions_(options.seed) {}
@@ -49,11 +53,12 @@ class Scorer {
     run_available();
   }
 
-  OverlapSeriesEnd finish() {
+  void finish() {
     stream_.finish();
     run_available();
-    return end_;
   }
+
+  const OverlapSeriesEnd& end() const { return end_; }
 
  private:
   void run_available() {
@@ -95,9 +100,13 @@ class Scorer {
 
   void score(TimeNs begin, TimeNs end) {
     ++end_.frames;
-    place(stream_.points(begin, end));
-    if (points_.empty()) return;
     OverlapSample sample;
+    place(stream_.points(begin, end));
+    if (!points_.empty()) score_placed(end, sample);
+    feed_.reached(begin, end, sample.score.value, false);  // their rate is no news
+  }
+
+  void score_placed(TimeNs end, OverlapSample& sample) {
     sample.t = end;
     metric_.advance(end);
     sample.score = metric_.evaluate(points_, end);
@@ -114,6 +123,7 @@ class Scorer {
   OverlapMetric& metric_;
   const SensorModel& sensor_;
   const std::function<void(const OverlapSample&)>& take_;
+  ProgressFeed& feed_;
   Trajectory path_;
   TimeNs max_gap_, period_;
   Directions directions_;
@@ -126,8 +136,7 @@ class Scorer {
 }  // namespace
 
 OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin::Catalog& catalog,
-                               const std::function<void(const OverlapSample&)>& take,
-                               const std::function<bool()>& stop) {
+                               const std::function<void(const OverlapSample&)>& take, RunMonitor& monitor) {
   std::vector<config::Override> overrides;
   for (const std::string& assignment : options.overrides) overrides.push_back({assignment});
   const auto pipeline =
@@ -135,23 +144,41 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   const auto sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
   exec::Executor executor(1);
   const auto metric = pipeline.value.overlap.make({executor, sensor.value.model, nullptr});
-  Scorer scorer(options, *metric, sensor.value.model, take);
+  Trajectory path(io::read_tum(options.trajectory));
   const auto source = io::open_source(options.input, sensor.value, options.section);
-  while (!stop()) {
-    auto measurement = source->next();
-    if (!measurement) {
-      OverlapSeriesEnd end = scorer.finish();
-      end.truncated = source->status() == io::InputStatus::truncated;
-      end.warnings = source->notes().warnings;
-      if (end.scored > 0) return end;
-      throw DataError(fmt::format("{}: has no pose for any point of {}: name a trajectory of the same recording",
-                                  options.trajectory.string(), options.input.string()));
+  const std::vector<std::string> told = source->notes().warnings;
+  monitor.on_start(source->notes());
+  ProgressFeed feed(monitor, *source);
+  Scorer scorer(options, std::move(path), *metric, sensor.value.model, take, feed);
+  std::optional<std::string> failure;
+  bool bad_data = false, interrupted = false;
+  try {
+    while (!(interrupted = monitor.stop_requested())) {
+      auto measurement = source->next();
+      if (!measurement) break;
+      if (auto* packet = std::get_if<LidarPacket>(&*measurement)) scorer.push(std::move(*packet));
+      feed.after_measurement();
     }
-    if (auto* packet = std::get_if<LidarPacket>(&*measurement)) scorer.push(std::move(*packet));
+    if (!interrupted) scorer.finish();
+  } catch (const DataError& error) {
+    failure = error.what();
+    bad_data = true;
+  } catch (const std::exception& error) {
+    failure = fmt::format("the overlap failed: {}", error.what());
   }
-  OverlapSeriesEnd end;
-  end.interrupted = true;
-  end.warnings = source->notes().warnings;
+  source->conclude();
+  feed.show();
+  OverlapSeriesEnd end = scorer.end();
+  end.interrupted = interrupted;
+  end.truncated = source->status() == io::InputStatus::truncated;
+  end.late_warnings = late_warnings(*source, told);
+  end.bad_data = bad_data;
+  end.failure = std::move(failure);
+  if (end.scored == 0 && !end.failure && !end.interrupted) {
+    end.bad_data = true;
+    end.failure = fmt::format("{}: has no pose for any point of {}: name a trajectory of the same recording",
+                              options.trajectory.string(), options.input.string());
+  }
   return end;
 }
 

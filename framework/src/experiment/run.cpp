@@ -19,6 +19,7 @@
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/stage_set.hpp"
 #include "manifest.hpp"
+#include "monitoring.hpp"
 #include "run_outputs.hpp"
 
 namespace aslio::experiment {
@@ -48,44 +49,6 @@ double peak_rss_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;
-}
-
-/// Passes on what a progress display shows, at most some ten times a second of real time.
-class ProgressFeed final : public pipeline::UpdateObserver {
- public:
-  ProgressFeed(RunMonitor& monitor, std::optional<double> duration_s) : monitor_(monitor) {
-    progress_.duration_s = duration_s;
-  }
-  void on_update(const pipeline::UpdateRecord& record) override {
-    if (!first_) first_ = record.plan.fresh_begin;
-    progress_.data_s = to_seconds(record.plan.end - *first_);
-    progress_.overlap = record.overlap.value;
-    // A window that a gap or the end cut short says nothing of the rate.
-    if (!record.plan.partial) progress_.rate_hz = 1.0 / to_seconds(record.plan.end - record.plan.fresh_begin);
-    fresh_ = true;
-  }
-  void after_measurement() {
-    if (!fresh_ || seconds_since(shown_) < 0.1) return;
-    show();
-  }
-  void show() {
-    shown_ = Clock::now();
-    fresh_ = false;
-    progress_.wall_s = seconds_since(start_);
-    monitor_.on_progress(progress_);
-  }
-
- private:
-  RunMonitor& monitor_;
-  Progress progress_;
-  std::optional<TimeNs> first_;
-  Clock::time_point start_ = Clock::now(), shown_ = start_;
-  bool fresh_ = false;
-};
-
-std::optional<double> duration(const io::MeasurementSource& source) {
-  if (!source.begin_time() || !source.end_time()) return std::nullopt;
-  return to_seconds(*source.end_time() - *source.begin_time());
 }
 
 /// Everything a run works with, checked before any data is read.
@@ -160,7 +123,7 @@ class Loop {
   /// `watched`: the reference by which a run ends that has diverged from it, or nullptr.
   Loop(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor,
        const Trajectory* watched)
-      : source_(source), odometry_(odometry), outputs_(outputs), monitor_(monitor), feed_(monitor, duration(source)) {
+      : source_(source), odometry_(odometry), outputs_(outputs), monitor_(monitor), feed_(monitor, source) {
     if (watched != nullptr) watch_.emplace(*watched);
     odometry_.add_observer(outputs_);
     odometry_.add_observer(collector_);
@@ -362,9 +325,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     mark_failure(summary, loop.collector(), *prepared.reference, data_end, loop.was_ended());
   }
   result.bad_data = blames_data(summary, loop.bad_data());
-  for (const std::string& warning : source->notes().warnings) {
-    if (std::find(told.begin(), told.end(), warning) == told.end()) result.late_warnings.push_back(warning);
-  }
+  result.late_warnings = late_warnings(*source, told);
 
   write_texts(options.output, prepared.pipeline.resolved, to_json(manifest, options), summary);
   return result;

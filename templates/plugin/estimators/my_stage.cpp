@@ -131,7 +131,7 @@ MyStage::Normal MyStage::evaluate(const Pose& end) {
   Normal normal;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const ResidualRow& row = rows_[i];
-    if (row.information <= 0.0) continue;
+    if (!row.takes_part()) continue;
     // p_W = R p + t with R <- R Exp(theta): d p_W / d theta = -R hat(p).
     Vec6 J;
     J << match_body_[i / per_match].cross(end.R.transpose() * row.J), row.J;
@@ -215,7 +215,7 @@ void MyStage::finish() {
     const auto per_match = static_cast<std::size_t>(residual_->rows_per_match());
     for (std::size_t i = 0; i < records_.size(); ++i) {
       const ResidualRow& row = rows_[i * per_match];
-      records_[i] = {row.information > 0.0, static_cast<float>(row.r)};
+      records_[i] = {row.takes_part(), static_cast<float>(row.r), row.measures()};
     }
     if (!residual_->surfaces_from_map()) result_.neighbours = &neighbours_;
   }

@@ -56,9 +56,10 @@ void MyStage::evaluate(std::span<const Vec3> world, std::span<const float> range
     rows[i] = {};
     if (!surfaces[i].valid) continue;
     const double r = surfaces[i].normal.dot(world[i] - surfaces[i].anchor);
-    // Written so that a value that is no number fails it.
-    if (!(std::abs(r) < params_.gate * sigma)) continue;
-    rows[i] = {.r = r, .J = surfaces[i].normal, .information = surfaces[i].quality / (sigma * sigma)};
+    if (!std::isfinite(r)) continue;
+    // What the gate leaves out is measured all the same: a history asks how far off it was.
+    const bool inside = std::abs(r) < params_.gate * sigma;
+    rows[i] = {.r = r, .J = surfaces[i].normal, .information = inside ? surfaces[i].quality / (sigma * sigma) : 0.0};
   }
 }
 

@@ -16,6 +16,7 @@ Filter made(const std::string& type) { return Filter({"estimator=" + type}); }
 void check_result(const Update& update, const RoomWindow& room) {
   CHECK(update.state.t == room.window.plan.end);
   CHECK(update.matches.size() == update.match_points.size());
+  for (const MatchRecord& match : update.matches) REQUIRE((match.matched || !match.accepted));
   REQUIRE(update.trajectory != nullptr);
   CHECK((update.trajectory->pose(update.state.t).p - update.state.p).norm() < 1e-9);
   REQUIRE_FALSE(update.states.empty());

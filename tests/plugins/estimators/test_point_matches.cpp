@@ -11,6 +11,7 @@ namespace {
 ResidualRow row(double r, double information = 1) {
   ResidualRow out;
   out.r = r;
+  out.J = Vec3::UnitX();
   out.information = information;
   return out;
 }
@@ -34,6 +35,17 @@ TEST_CASE("a match of one row keeps its sign, one of several has the length of t
   CHECK_FALSE(records[1].accepted);
   CHECK(records[2].residual == Approx(std::sqrt(8.0)));  // of the rows that take part
   CHECK(rms == Approx(std::sqrt((1.0001 + 8.0) / 2)));
+}
+
+TEST_CASE("a match that a gate left out keeps its residual, and what found no surface has none") {
+  std::vector<MatchRecord> records;
+  double rms = 0;
+  CHECK(record_matches(std::vector{row(-3), row(-7, 0), ResidualRow{}}, 1, records, rms) == 1);
+  CHECK(rms == 3.0);
+  CHECK((records[1].matched && !records[1].accepted && records[1].residual == -7.0F));
+  CHECK((!records[2].matched && !records[2].accepted && records[2].residual == 0.0F));
+  CHECK(record_matches(std::vector{row(3, 0), row(0, 0), row(4, 0)}, 3, records, rms) == 0);
+  CHECK((records[0].matched && records[0].residual == 5.0F));
 }
 
 TEST_CASE("without matches there is no RMS") {

@@ -1,6 +1,7 @@
 #include "histories/balanced.hpp"
 
 #include <catch2/catch.hpp>
+#include <optional>
 #include <set>
 
 #include "histories/none.hpp"
@@ -12,6 +13,7 @@ namespace aslio {
 namespace {
 
 using plugins::BalancedHistory;
+using plugins::Refused;
 using test::kFrame;
 using test::kMs;
 using test::UpdateLoop;
@@ -128,20 +130,30 @@ TEST_CASE("the cap bounds the history per fresh point, spread over all of its ti
   }
 }
 
-TEST_CASE("points with a large residual at their own update are left out, those without a match are not") {
-  BalancedHistory policy = balanced({.cap = 1000, .max_residual = 0.1});
+TEST_CASE("points with a large residual at their own update are left out, those that found no surface are not") {
+  const auto refused = GENERATE(Refused::enter, Refused::by_residual);
+  BalancedHistory policy = balanced({.cap = 1000, .max_residual = 0.1, .refused = refused});
   UpdateLoop loop(policy);
   loop.begin(50 * kMs);
   loop.matches_[3].residual = 0.2f;
   loop.matches_[4].residual = -0.2f;
-  loop.matches_[5].accepted = false;
-  loop.matches_[6] = {.accepted = false, .residual = 5.0f};
+  loop.matches_[5].accepted = false;  // by a gate; by its residual it is as good as any
+  loop.matches_[6] = {.accepted = false, .residual = 5.0f, .matched = true};
+  loop.matches_[7] = {};
   policy.commit(loop.window, loop.update());
   loop.step(50 * kMs);
-  REQUIRE(loop.selected.size() == 48);
-  CHECK(loop.selected[3].t == 6 * kMs);
-  CHECK(loop.selected[3].residual < 0);
-  CHECK(loop.selected[4].residual < 0);
+  const auto residual_at = [&](TimeNs t) -> std::optional<float> {
+    for (const HistoryPoint& point : loop.selected) {
+      if (point.t == t) return point.residual;
+    }
+    return std::nullopt;
+  };
+  const bool enters = refused == Refused::enter;
+  REQUIRE(loop.selected.size() == (enters ? 48 : 47));
+  CHECK_FALSE((residual_at(4 * kMs) || residual_at(5 * kMs)));
+  CHECK(residual_at(6 * kMs) == (enters ? -1.0f : 0.01f));
+  CHECK(residual_at(7 * kMs) == (enters ? std::optional(-1.0f) : std::nullopt));
+  CHECK(residual_at(8 * kMs) == -1.0f);
 }
 
 TEST_CASE("an update that had nothing to match against enters the history without residuals") {

@@ -21,7 +21,8 @@ struct EveryHistory {
     if (test::one_under_test(HistoryPolicy::family)) return;
     for (const std::string& type : catalog.types(HistoryPolicy::family)) {
       if (type == "none") continue;
-      texts.push_back("{type: " + type + ", age_taper: 0.05, cap: 1, max_residual: 0.05, gate: 2}");
+      texts.push_back("{type: " + type +
+                      ", age_taper: 0.05, cap: 1, max_residual: 0.05, refused: by_residual, gate: 2}");
       texts.push_back("{type: " + type + ", self_match_exclusion: true, covariance: new_only, cap: 1000}");
       texts.push_back("{type: " + type + ", self_match_exclusion: false, covariance: joseph}");
     }

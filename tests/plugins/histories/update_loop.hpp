@@ -43,7 +43,7 @@ class UpdateLoop {
     for (TimeNs t = window.plan.fresh_begin + kMs; t <= now_; t += kMs) {
       raw_.push_back({.t = t});
       points_.push_back({.p_W = Vec3(to_seconds(t), 1, 2), .t = t, .range = 7});
-      matches_.push_back({.accepted = true, .residual = -0.01f});
+      matches_.push_back({.accepted = true, .residual = -0.01f, .matched = true});
     }
     window.fresh = raw_;
   }

@@ -59,6 +59,9 @@ struct Surroundings {
   Neighbours neighbours;
 };
 
+/// Far enough from the sensor for gates that ask more of near points [m].
+constexpr float kFar = 1e5F;
+
 std::vector<Surface> fitted(Residual& residual, const Surroundings& around) {
   std::vector<Surface> surfaces(around.queries.size(), {Vec3::Ones(), Vec3::Ones(), 7.0, true});
   residual.fit(around.queries, around.neighbours, surfaces);
@@ -66,9 +69,8 @@ std::vector<Surface> fitted(Residual& residual, const Surroundings& around) {
 }
 
 std::vector<ResidualRow> evaluated(Residual& residual, const std::vector<Vec3>& world,
-                                   const std::vector<Surface>& surfaces) {
-  // Far enough from the sensor for gates that ask more of near points.
-  const std::vector<float> range(world.size(), 1e5F);
+                                   const std::vector<Surface>& surfaces, float distance = kFar) {
+  const std::vector<float> range(world.size(), distance);
   std::vector<ResidualRow> rows(world.size() * static_cast<std::size_t>(residual.rows_per_match()),
                                 {7.0, Vec3::Ones(), 7.0});
   residual.evaluate(world, range, surfaces, kSigma, rows);
@@ -171,13 +173,39 @@ TEST_CASE("every residual: no information from invalid surfaces, nor from points
     CAPTURE(text);
     const auto residual = every.make(text);
     for (const ResidualRow& row : evaluated(*residual, {Vec3(1, 2, 3), Vec3::Zero()}, std::vector<Surface>(2))) {
-      REQUIRE(row.information == 0.0);
+      REQUIRE((!row.takes_part() && !row.measures()));
     }
     const Surface surface{Vec3::UnitZ(), Vec3::Zero(), 1.0, true};
     for (const Vec3& bad : {Vec3(nan, nan, nan), Vec3(inf, inf, inf)}) {
-      for (const ResidualRow& row : evaluated(*residual, {bad}, {surface})) REQUIRE(row.information == 0.0);
+      for (const ResidualRow& row : evaluated(*residual, {bad}, {surface}))
+        REQUIRE((!row.takes_part() && !row.measures()));
     }
   }
+}
+
+TEST_CASE("every residual: what a gate leaves out is measured all the same") {
+  EveryResidual every;
+  const std::vector<Surface> surface{{Vec3::UnitZ(), Vec3::Zero(), 1.0, true}};
+  std::size_t left_out = 0;
+  for (const std::string& text : every.all()) {
+    CAPTURE(text);
+    const auto residual = every.make(text);
+    for (const double off : {1e-3, 0.1, 3.0, 1e4}) {
+      const std::vector<Vec3> p{{0.3 * off, 0.4 * off, -off}};
+      const auto far = evaluated(*residual, p, surface);
+      for (const float distance : {1e-3F, 1.0F, 30.0F, kFar}) {
+        const auto rows = evaluated(*residual, p, surface, distance);
+        bool measured = false;
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+          measured = measured || rows[r].measures();
+          REQUIRE((rows[r].r == far[r].r && rows[r].J == far[r].J));
+          left_out += rows[r].takes_part() ? 0U : 1U;
+        }
+        REQUIRE(measured);
+      }
+    }
+  }
+  if (!test::one_under_test(Residual::family)) CHECK(left_out > 0);  // a single one may have no gate
 }
 
 TEST_CASE("every residual: the same bits for any number of threads, place in the batch and repetition") {

@@ -189,6 +189,8 @@ TEST_CASE("gate, kernels and quality weigh a row") {  // eq. RES-1
     PointToPlane residual(params, environment.context());
     std::vector<ResidualRow> row(1, {7.0, Vec3::Ones(), 7.0});
     residual.evaluate(std::vector<Vec3>{{3, 4, r}}, std::vector<float>{range}, surface, 0.1, row);
+    // Whatever the gate says, the distance is told.
+    if (std::isfinite(r)) REQUIRE((row[0].r == r && row[0].measures()));
     return row[0].information;
   };
   PointToPlane::Params params;

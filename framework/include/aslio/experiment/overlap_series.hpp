@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "aslio/experiment/run.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/plugin/registry.hpp"
 #include "aslio/stages/window.hpp"
@@ -37,14 +38,15 @@ struct OverlapSeriesEnd {
   std::size_t frames = 0, scored = 0;
   std::size_t points_without_pose = 0;
   bool interrupted = false, truncated = false;
-  std::vector<std::string> warnings;  ///< of the reader
+  std::optional<std::string> failure;      ///< what ended it early; the frames before stand
+  bool bad_data = false;                   ///< the failure is due to what was read or could not be written
+  std::vector<std::string> late_warnings;  ///< of the input, found after RunMonitor::on_start()
 };
 
 /// Points outside the sensor's range, or at times without a pose, are left out. Throws ConfigError for a configuration
-/// that cannot be used and DataError for data that cannot be read. Asks `stop` between messages.
+/// that cannot be used and DataError for data that cannot be opened; what fails later is in the result.
 OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin::Catalog& catalog,
-                               const std::function<void(const OverlapSample&)>& take,
-                               const std::function<bool()>& stop);
+                               const std::function<void(const OverlapSample&)>& take, RunMonitor& monitor);
 
 /// Header of the CSV file of samples and the line of one (both with a line feed).
 std::string overlap_series_header();

@@ -44,8 +44,9 @@ class TrajectoryModel {
 
 /// A match of a fresh point in the last association: position in Update::points(Tap::match), and its neighbours.
 struct MatchRecord {
-  bool accepted = false;
-  float residual = 0;  ///< signed z at the posterior [m]; of several rows, the length of their vector
+  bool accepted = false;  ///< the map had a surface there, and no gate left the match out
+  float residual = 0;     ///< of a match, signed z at the posterior [m]; of several rows, the length of their vector
+  bool matched = false;   ///< the map had a surface there
 };
 
 /// Where an estimator that corrects earlier poses, too, holds points of earlier updates now.

@@ -16,7 +16,7 @@ struct HistoryPoint {
   Vec3 p_W = Vec3::Zero();
   TimeNs t = 0;
   float range = 0;             ///< |p_L| when measured [m]
-  float residual = 0;          ///< |z| at its own update [m]; negative: it had no match
+  float residual = 0;          ///< |z| at its own update [m]; negative: none that counts
   std::uint32_t sequence = 0;  ///< the update that measured it
   float age_weight = 1;        ///< taper by age, multiplied into the weight
 };

@@ -14,12 +14,17 @@ struct ResidualRow {
   double r = 0;
   Vec3 J = Vec3::Zero();
   double information = 0;
+
+  bool takes_part() const { return information > 0.0; }
+  /// There is a surface, whether or not a gate lets it take part.
+  bool measures() const { return !J.isZero(0.0); }
 };
 
 /// Contract. fit() turns the neighbours of each query into a surface; it is called once per association. A residual
 /// may take the surfaces of the map instead. evaluate() is
 /// called at every iteration with the current world points; it writes rows_per_match() rows for each match and applies
-/// gates and robust weights. `range[i]` is |p_L| [m]. Deterministic; may use its executor; no allocation.
+/// gates and robust weights: what a gate leaves out keeps r and J with no information, what has no surface or no finite
+/// residual is all zero. `range[i]` is |p_L| [m]. Deterministic; may use its executor; no allocation.
 class Residual : public Stage {
  public:
   static constexpr std::string_view family = "residuals";
