@@ -34,13 +34,15 @@ std::vector<Row> rows(const std::filesystem::path& csv) {
 
 struct Scored : Bench {
   Scored() { write_truth(folder / "truth.tum"); }
+  std::vector<std::string> arguments(const std::string& output, const std::vector<std::string>& more) const {
+    std::vector<std::string> all = {"overlap",  folder / "pipeline.yaml", "--input",      folder / "recording.bag",
+                                    "--sensor", folder / "sensor.yaml",   "--trajectory", folder / "truth.tum",
+                                    "--output", folder / output};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
   Ended overlap(const std::string& output, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {
-        "overlap",  folder / "pipeline.yaml", "--input",      folder / "recording.bag",
-        "--sensor", folder / "sensor.yaml",   "--trajectory", folder / "truth.tum",
-        "--output", folder / output};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_aslio(arguments);
+    return run_aslio(arguments(output, more));
   }
 };
 
@@ -112,4 +114,13 @@ TEST_CASE("overlap refuses what it cannot use, and leaves no file") {
   CHECK(wrong.code == 2);
   CHECK_THAT(wrong.err, Contains("voxle"));
   CHECK(bench.overlap("out.csv", {"--period", "0"}).code == 2);
+}
+
+TEST_CASE("overlap: a disk that fills up leaves no file that ends in the middle") {
+  const Scored bench;
+  const Ended ended = run_aslio_with_file_limit(bench.arguments("sod.csv", {"--period", "0.001"}), 20'000);
+  INFO(ended.err);
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("sod.csv: cannot write: File too large") && !Contains("frames before"));
+  CHECK_FALSE(std::filesystem::exists(bench / "sod.csv"));
 }

@@ -121,6 +121,12 @@ TEST_CASE("a full disk and an unwritable folder are errors that name the path") 
     file.close();
   };
   CHECK(contains(data_error(fill), "/dev/full: cannot write: No space left"));
+  AtomicFile lacking("/dev/full");
+  const auto overfill = [&] {
+    for (int i = 0; i < 100; ++i) lacking.write(std::string(10'000, 'x'));
+  };
+  CHECK(contains(data_error(overfill), "No space left"));
+  CHECK(contains(data_error([&] { lacking.close(); }), "No space left"));  // though nothing is left to be written
   const auto late = [] {
     AtomicFile file("/dev/full");
     file.write("small enough for the buffer");

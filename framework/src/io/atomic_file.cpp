@@ -97,7 +97,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(path_, "cannot write", errno);
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) give_up("cannot write");
   written_ += text.size();
 }
 
@@ -106,9 +106,14 @@ void AtomicFile::patch(std::uint64_t offset, std::string_view text) {
     throw DataError(fmt::format("{}: patch of {} bytes at {} reaches past the {} bytes written", path_.string(),
                                 text.size(), offset, written_));
   }
-  if (std::fseek(file_, static_cast<long>(offset), SEEK_SET) != 0) fail(path_, "cannot seek", errno);
-  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(path_, "cannot write", errno);
-  if (std::fseek(file_, 0, SEEK_END) != 0) fail(path_, "cannot seek", errno);
+  if (std::fseek(file_, static_cast<long>(offset), SEEK_SET) != 0) give_up("cannot seek");
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) give_up("cannot write");
+  if (std::fseek(file_, 0, SEEK_END) != 0) give_up("cannot seek");
+}
+
+void AtomicFile::give_up(const char* what) {
+  error_ = error_ != 0 ? error_ : errno;
+  fail(path_, what, error_);
 }
 
 void AtomicFile::close() { close(false); }
@@ -119,7 +124,7 @@ void AtomicFile::close(bool durably) {
   if (file_ == nullptr) return;
   // Delayed write errors surface in either call.
   const bool flushed = std::fflush(file_) == 0;
-  int error = flushed ? 0 : errno;
+  int error = error_ != 0 ? error_ : flushed ? 0 : errno;
   // A device has nothing to be brought to a disk. After a loss of power, a renamed file may be there without its
   // content.
   if (durably && flushed && !temporary_.empty() && ::fsync(::fileno(file_)) != 0) error = errno;

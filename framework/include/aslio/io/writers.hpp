@@ -35,10 +35,13 @@ class AtomicFile {
 
  private:
   void close(bool durably);
+  /// What close() then says, too: what could not be written is missing, whatever fits behind it.
+  [[noreturn]] void give_up(const char* what);
 
   std::filesystem::path path_, temporary_;
   std::FILE* file_ = nullptr;
   std::uint64_t written_ = 0;
+  int error_ = 0;  ///< errno of the first failure
 };
 
 /// One TUM line: `t tx ty tz qx qy qz qw`, %.9f seconds exact to the nanosecond, quaternion with w >= 0.
