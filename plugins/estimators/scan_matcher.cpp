@@ -133,7 +133,10 @@ bool ScanMatcher::descend(PointMatches Kind::*points, bool first, Descent& at) {
     if (static_cast<std::int64_t>(at.matches) < params_.min_matches) return false;
     if (first && j == 0) hold_directions(at);
     const Step step = move(at.sum, at.held, at.end);
-    if (step == Step::refused) return false;
+    if (step == Step::refused) {
+      not_finite_ = true;
+      return false;
+    }
     at.converged = step == Step::small;
     at.settled = at.converged && j == 0;
     if (at.converged) break;
@@ -219,6 +222,7 @@ void ScanMatcher::refuse(UpdateStatus status) {
 const Update& ScanMatcher::update(const Window& window, const HistorySelection&, const StepContext& context) {
   result_ = Update{};
   last_.reset();
+  not_finite_ = false;
   propagate(window);
   result_.prior = state_;
   load(window, context);
@@ -229,10 +233,12 @@ const Update& ScanMatcher::update(const Window& window, const HistorySelection&,
   } else {
     const bool followed = match_last_sweep();
     const bool matched = map_is_due && match_map(context.map);
-    if (matched || followed) {  // or followed the last sweep alone
+    if (not_finite_) {  // whatever else was found: it would hide that
+      refuse(UpdateStatus::non_finite);
+    } else if (matched || followed) {  // or followed the last sweep alone
       accept();
     } else {
-      refuse(result_.fresh_matches < params_.min_matches ? UpdateStatus::few_matches : UpdateStatus::non_finite);
+      refuse(UpdateStatus::few_matches);
     }
     result_.insert = result_.insert && (map_is_due || !result_.accepted);
   }

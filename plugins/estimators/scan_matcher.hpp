@@ -118,7 +118,8 @@ class ScanMatcher final : public Estimator {
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
   Frame frame_;
   std::optional<Descent> last_,
-      before_;  ///< of this window, taken: the last, and that against the last sweep before it
+      before_;               ///< of this window, taken: the last, and that against the last sweep before it
+  bool not_finite_ = false;  ///< a step of this window was not
   std::vector<MatchSum> partials_;
   std::vector<MatchRecord> records_, own_records_;
   Update result_;

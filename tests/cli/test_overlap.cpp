@@ -33,7 +33,7 @@ std::vector<Row> rows(const std::filesystem::path& csv) {
 }
 
 struct Scored : Bench {
-  Scored() { write_truth(folder / "truth.tum"); }
+  explicit Scored(const Recording& recording = {}) : Bench(recording) { write_truth(folder / "truth.tum"); }
   std::vector<std::string> arguments(const std::string& output, const std::vector<std::string>& more) const {
     std::vector<std::string> all = {"overlap",  folder / "pipeline.yaml", "--input",      folder / "recording.bag",
                                     "--sensor", folder / "sensor.yaml",   "--trajectory", folder / "truth.tum",
@@ -123,4 +123,39 @@ TEST_CASE("overlap: a disk that fills up leaves no file that ends in the middle"
   CHECK(ended.code == 3);
   CHECK_THAT(ended.err, Contains("sod.csv: cannot write: File too large") && !Contains("frames before"));
   CHECK_FALSE(std::filesystem::exists(bench / "sod.csv"));
+}
+
+TEST_CASE("overlap: a metric that throws ends it, and the frames before stand") {
+  const Scored bench;
+  const Ended ended = bench.overlap(
+      "sod.csv", {"--plugin", ASLIO_FAULTY_PLUGIN, "--set", "overlap={type: faulty, frames: 7}", "--quiet"});
+  INFO(ended.err);
+  CHECK(ended.code == 1);
+  CHECK_THAT(ended.err, Contains("knows no more frames; ") && Contains("sod.csv has the 7 frames before"));
+  CHECK(rows(bench / "sod.csv").size() == 7);
+  const Ended at_once = bench.overlap(
+      "none.csv", {"--plugin", ASLIO_FAULTY_PLUGIN, "--set", "overlap={type: faulty, frames: 0}", "--quiet"});
+  CHECK(at_once.code == 1);
+  CHECK_THAT(at_once.err, Contains("knows no more frames") && !Contains("frames before"));
+  CHECK_FALSE(std::filesystem::exists(bench / "none.csv"));
+}
+
+TEST_CASE("overlap: an input that is damaged on the way ends it, and the frames before are those of the whole") {
+  const Scored bench(Recording{.duration = 8.0});
+  REQUIRE(bench.overlap("whole.csv").code == 0);
+  // The record header of a message behind the 5 s that are looked at when the bag is opened; not the first after that
+  // place, before which the header of its chunk may stand: all of those are met then.
+  std::string bag = content(bench / "recording.bag");
+  const std::size_t message = bag.find("time=", bag.find("time=", bag.size() / 10 * 9) + 1);
+  REQUIRE(message != std::string::npos);
+  bag.replace(message - 40, 50, 50, '\xff');
+  write_text(bench / "recording.bag", bag);
+  const Ended ended = bench.overlap("sod.csv");
+  INFO(ended.err);
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("recording.bag: damaged") && Contains("sod.csv has the "));
+  const std::string whole = content(bench / "whole.csv"), kept = content(bench / "sod.csv");
+  CHECK(line_count(bench / "sod.csv") > 50);
+  CHECK(line_count(bench / "sod.csv") < 80);
+  CHECK(whole.starts_with(kept));
 }

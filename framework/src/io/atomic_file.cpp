@@ -17,8 +17,6 @@
 namespace aslio::io {
 namespace {
 
-constexpr std::size_t kBufferBytes = 1 << 18;
-
 [[noreturn]] void fail(const std::filesystem::path& path, std::string_view what, int error) {
   const char* remedy = error == ENOSPC   ? "free space on that disk or choose another output folder"
                        : error == EACCES ? "choose an output folder you may write to"
@@ -86,7 +84,6 @@ AtomicFile::AtomicFile(std::filesystem::path path, bool binary) : path_(std::mov
     fail(path_, "cannot create", error);
   }
   file_ = ::fdopen(fd, binary ? "wb" : "w");
-  std::setvbuf(file_, nullptr, _IOFBF, kBufferBytes);
 }
 
 AtomicFile::~AtomicFile() {

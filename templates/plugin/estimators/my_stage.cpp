@@ -192,6 +192,23 @@ void MyStage::accept(const Pose& end, const Normal& normal) {
   for (std::size_t i = 0; i < 6; ++i) result_.spectrum[i] = solver.eigenvalues()[static_cast<Eigen::Index>(i)];
 }
 
+namespace {
+
+/// Of all rows of a match, of which a gate leaves out all or none.
+MatchRecord record_of(std::span<const ResidualRow> rows) {
+  MatchRecord out;
+  double squares = 0;
+  for (const ResidualRow& row : rows) {
+    out.accepted = out.accepted || row.takes_part();
+    out.matched = out.matched || row.measures();
+    squares += row.r * row.r;
+  }
+  out.residual = static_cast<float>(rows.size() == 1 ? rows.front().r : std::sqrt(squares));
+  return out;
+}
+
+}  // namespace
+
 /// Places the points of all consumers at the posterior.
 void MyStage::finish() {
   overlap_points_.clear();
@@ -214,8 +231,7 @@ void MyStage::finish() {
     evaluate(state_.pose());
     const auto per_match = static_cast<std::size_t>(residual_->rows_per_match());
     for (std::size_t i = 0; i < records_.size(); ++i) {
-      const ResidualRow& row = rows_[i * per_match];
-      records_[i] = {row.takes_part(), static_cast<float>(row.r), row.measures()};
+      records_[i] = record_of(std::span<const ResidualRow>(rows_).subspan(i * per_match, per_match));
     }
     if (!residual_->surfaces_from_map()) result_.neighbours = &neighbours_;
   }

@@ -1,5 +1,6 @@
 // What is recorded of a match whose residual has one row, or several.
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "estimators/point_matches.hpp"
 
@@ -62,4 +63,5 @@ TEST_CASE("a match passes a gate as a whole, by the rows that have information")
   CHECK(within(std::vector{row(0.1), row(-0.3), row(0.2)}, 0.09));
   CHECK_FALSE(within(std::vector{row(0.1), row(0.4), row(0.2)}, 0.09));
   CHECK(within(std::vector{row(0.1), row(9, 0), row(0.2)}, 0.09));
+  CHECK(within(std::vector{row(std::numeric_limits<double>::quiet_NaN())}, 0.09));
 }

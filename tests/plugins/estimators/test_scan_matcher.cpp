@@ -9,6 +9,7 @@
 #include "aslio/core/errors.hpp"
 #include "estimators/sweep_index.hpp"
 #include "plugins/estimators/room_filter.hpp"
+#include "plugins/estimators/unknown_residual.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -64,7 +65,8 @@ class RingWindow {
 /// A filter whose map grows with what it has seen.
 struct Matcher {
   explicit Matcher(const std::string& keys = "")
-      : filter({"estimator={type: scan_matcher, prediction: constant_velocity" + keys + "}"}) {
+      : filter({"estimator={type: scan_matcher, prediction: constant_velocity" + keys + "}"}, 0.05, false,
+               Vec3(0, 0, -kStandardGravity), 1, stages_and_unknown()) {
     filter.map = make_stage<Map>(built_in_stages(),
                                  "{type: feature_maps, lines: {type: voxel_hash, min_spacing: 0.05}, "
                                  "planes: {type: voxel_hash, min_spacing: 0.1}}",
@@ -220,5 +222,18 @@ TEST_CASE("the last sweep: lines and planes as brute force finds them") {  // eq
     CHECK(lines > 200);
     CHECK(planes > 150);
     CHECK(none > 10);
+  }
+}
+
+TEST_CASE("scan_matcher: what is not finite against the map is not hidden by the last sweep") {
+  const TurningRoom motion{.rate = Vec3(0, 0, 0.3), .drift = Vec3(0.5, 0, 0)};
+  Matcher matcher(", planes: unknown, map_every: 2");
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    CAPTURE(k);
+    const Update& update = matcher.step(RingWindow(k, motion));
+    CHECK(update.accepted == (k % 2 == 1));
+    if (k > 0 && k % 2 == 0) CHECK(update.status == UpdateStatus::non_finite);
+    CHECK(update.state.R.allFinite());
+    CHECK(update.P.allFinite());
   }
 }

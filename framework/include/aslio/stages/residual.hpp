@@ -15,7 +15,8 @@ struct ResidualRow {
   Vec3 J = Vec3::Zero();
   double information = 0;
 
-  bool takes_part() const { return information > 0.0; }
+  /// NaN takes part: what it makes of an update is not finite, which is said; to leave the row out would hide it.
+  bool takes_part() const { return !(information <= 0.0); }
   /// There is a surface, whether or not a gate lets it take part.
   bool measures() const { return !J.isZero(0.0); }
 };

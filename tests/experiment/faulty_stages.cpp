@@ -1,12 +1,14 @@
-// `faulty`: a window that takes its process down, or its time, or its memory.
+// `faulty`: a window that takes its process down, or its time, or its memory, and an overlap that gives up on the way.
 #include <chrono>
 #include <cstdlib>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "aslio/config/binder.hpp"
 #include "aslio/plugin/entry.hpp"
 #include "aslio/stages/build_context.hpp"
+#include "aslio/stages/overlap.hpp"
 #include "aslio/stages/window.hpp"
 
 namespace {
@@ -53,8 +55,35 @@ class FaultyWindow final : public WindowStrategy {
   std::vector<std::vector<char>> hoard_;
 };
 
+/// Scores every frame as half known, and throws at one of them.
+class FaultyOverlap final : public OverlapMetric {
+ public:
+  struct Params {
+    std::int64_t frames = 5;
+  };
+
+  static void describe(config::Binder& b, Params& p) {
+    b.integer("frames", p.frames, "", {.min = 0}, "frames that it scores before it throws");
+  }
+
+  FaultyOverlap(const Params& params, const BuildContext&) : left_(params.frames) {}
+
+  OverlapScore evaluate(std::span<const WorldPoint> points, TimeNs) override {
+    if (left_-- == 0) throw std::runtime_error("this metric knows no more frames");
+    return {.value = 0.5, .layers = {}, .points = static_cast<std::uint32_t>(points.size())};
+  }
+  void extend(std::span<const WorldPoint>, TimeNs) override {}
+  void trim(const Vec3&, double) override {}
+  void clear() override {}
+  std::size_t memory_bytes() const override { return 0; }
+
+ private:
+  std::int64_t left_;
+};
+
 void register_types(plugin::Catalog& catalog) {
   plugin::Registry<WindowStrategy>(catalog).add<FaultyWindow>("faulty", "a window that fails in one of four ways");
+  plugin::Registry<OverlapMetric>(catalog).add<FaultyOverlap>("faulty", "an overlap that throws after some frames");
 }
 
 }  // namespace
