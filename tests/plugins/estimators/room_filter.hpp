@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "aslio/pipeline/odometry.hpp"
 #include "pipeline/runs.hpp"
 #include "plugins/estimators/room.hpp"
+#include "plugins/estimators/unknown_residual.hpp"
 #include "plugins/overlaps/one_stage.hpp"
-#include "plugins/under_test.hpp"
 
 namespace aslio::test {
 
@@ -42,9 +41,8 @@ inline InitialState start_in_motion() {
 /// The filter in the room, at the origin and at rest.
 struct Filter {
   explicit Filter(const std::vector<std::string>& overrides = {}, double sigma_velocity = 0.05,
-                  bool imu_is_known = false, const Vec3& gravity = Vec3(0, 0, -kStandardGravity), int threads = 1,
-                  plugin::Catalog stages = stages_under_test())
-      : catalog(std::move(stages)), environment(threads) {
+                  bool imu_is_known = false, const Vec3& gravity = Vec3(0, 0, -kStandardGravity), int threads = 1)
+      : environment(threads) {
     environment.sensor.T_imu_lidar = Pose{};
     // Defaults, whatever the shipped files are tuned to.
     const auto is_map = [](const std::string& text) { return text.starts_with("map="); };
@@ -72,7 +70,7 @@ struct Filter {
     return estimator->update(room.window, past, {samplers, *map, history});
   }
 
-  const plugin::Catalog catalog;
+  const plugin::Catalog catalog = stages_and_unknown();
   BuildEnvironment environment;
   SamplerChain samplers;
   ConstantHistory history;

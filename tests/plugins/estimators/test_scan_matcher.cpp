@@ -9,7 +9,6 @@
 #include "aslio/core/errors.hpp"
 #include "estimators/sweep_index.hpp"
 #include "plugins/estimators/room_filter.hpp"
-#include "plugins/estimators/unknown_residual.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -65,8 +64,7 @@ class RingWindow {
 /// A filter whose map grows with what it has seen.
 struct Matcher {
   explicit Matcher(const std::string& keys = "")
-      : filter({"estimator={type: scan_matcher, prediction: constant_velocity" + keys + "}"}, 0.05, false,
-               Vec3(0, 0, -kStandardGravity), 1, stages_and_unknown()) {
+      : filter({"estimator={type: scan_matcher, prediction: constant_velocity" + keys + "}"}) {
     filter.map = make_stage<Map>(built_in_stages(),
                                  "{type: feature_maps, lines: {type: voxel_hash, min_spacing: 0.05}, "
                                  "planes: {type: voxel_hash, min_spacing: 0.1}}",
