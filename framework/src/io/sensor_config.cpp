@@ -92,6 +92,13 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   b.real("max_range", model.max_range, "m", {.above = 0.0, .max = 1000.0}, "returns farther are not used");
   b.require(model.max_range > model.min_range, "max_range", "must be above min_range");
   b.real("sweep_period", model.sweep_period, "s", {.min = 0.001, .max = 2.0}, "time between LiDAR messages");
+  b.real("range_sigma", model.range_sigma, "m", {.above = 0.0, .max = 1.0}, "standard deviation of a measured range");
+  b.real("range_sigma_growth", model.range_sigma_growth, "m/m", {.min = 0.0, .max = 0.1},
+         "what each metre of range adds to range_sigma");
+  b.real("gyro_range", model.gyro_range, "rad/s", {.min = 0.0, .max = 1000.0},
+         "largest rate that the gyroscope reports on an axis; 0: unknown");
+  b.real("acc_range", model.acc_range, "m/s^2", {.min = 0.0, .max = 10000.0},
+         "largest specific force that the accelerometer reports on an axis; 0: unknown");
   b.real("gyro_noise", model.gyro_noise, "rad/s/sqrt(Hz)", {.above = 0.0, .max = 10.0}, "angular rate noise density");
   b.real("acc_noise", model.acc_noise, "m/s^2/sqrt(Hz)", {.above = 0.0, .max = 100.0}, "acceleration noise density");
   b.real("gyro_bias_walk", model.gyro_bias_walk, "rad/s^2/sqrt(Hz)", {.above = 0.0, .max = 10.0},
