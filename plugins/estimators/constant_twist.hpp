@@ -18,6 +18,8 @@ class ConstantTwist {
     pose_ = found;
     t_ = t;
   }
+  /// The motion at the start: rate [rad/s] and velocity [m/s], in I.
+  void begin(const Vec3& rate, const Vec3& velocity) { xi_ << rate, velocity; }
   /// Whether the motion is believed to go on since the last pose: until then points may enter the map unmatched, since
   /// unseen space can only become known by inserting it.
   bool believed(TimeNs t) const { return t_ != kTimeMin && t - t_ <= kSecond; }

@@ -32,6 +32,7 @@ void CtIcp::reset(const InitialState& initial) {
   state_ = initial.state;
   P_.setZero();
   twist_ = {};
+  twist_.begin(initial.rate, initial.state.R.transpose() * initial.state.v);
   imu_.reset(initial);
   result_ = Update{};
 }

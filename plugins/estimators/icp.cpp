@@ -42,6 +42,7 @@ void Icp::reset(const InitialState& initial) {
   state_ = initial.state;
   P_.setZero();
   twist_ = {};
+  twist_.begin(initial.rate, initial.state.R.transpose() * initial.state.v);
   squared_deviations_ = params_.initial_threshold * params_.initial_threshold;
   deviations_ = 1;
   result_ = Update{};

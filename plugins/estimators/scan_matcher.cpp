@@ -18,6 +18,7 @@ void ScanMatcher::reset(const InitialState& initial) {
   state_ = initial.state;
   P_.setZero();
   twist_ = {};
+  twist_.begin(initial.rate, initial.state.R.transpose() * initial.state.v);
   imu_.reset(initial);
   for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.clear();
   result_ = Update{};

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "maps/cell_index.hpp"
+#include "aslio/core/cell_index.hpp"
 
 namespace aslio::plugins {
 

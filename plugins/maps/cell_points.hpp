@@ -9,9 +9,9 @@
 #include <tuple>
 #include <vector>
 
+#include "aslio/core/cell_index.hpp"
 #include "aslio/core/types.hpp"
 #include "maps/block_pool.hpp"
-#include "maps/cell_index.hpp"
 
 namespace aslio::plugins {
 

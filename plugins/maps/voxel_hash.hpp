@@ -1,10 +1,10 @@
 #pragma once
 
 #include "aslio/config/binder.hpp"
+#include "aslio/core/cell_index.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
 #include "maps/block_pool.hpp"
-#include "maps/cell_index.hpp"
 #include "maps/trim_gate.hpp"
 
 namespace aslio::plugins {

@@ -26,6 +26,9 @@ void InitialisationParams::describe(config::Binder& b, InitialisationParams& p) 
   b.real("static_acc_std", p.static_acc_std, "m/s^2", {.above = 0, .max = 10},
          "auto: at rest when the specific force varies less than this");
   b.real("static_rate", p.static_rate, "rad/s", {.above = 0, .max = 10}, "auto: and the mean turn rate is below this");
+  b.flag("register_sweeps", p.register_sweeps,
+         "auto and dynamic: register the first sweeps, to prove a rest or to find the first velocity; false: the IMU "
+         "alone decides, and the first updates find the velocity");
 }
 
 namespace {
@@ -44,6 +47,15 @@ void refuse_impossible_gravity(double norm, bool at_rest) {
       "initialisation: the mean specific force is {:.3f} m/s^2, which cannot be gravity (9.80665 m/s^2){}", norm,
       in_g ? "; it looks like g: declare 'acc_unit: g' in the sensor file (factor 9.80665)"
            : "; check the acceleration unit of the sensor file, or start at rest"));
+}
+
+/// In motion nothing of the IMU's bias is known, nor of the velocity. eq. INI-2
+void release_velocity(InitialState& initial) {
+  initial.mode = InitialMode::dynamic_start;
+  initial.state.b_w.setZero();
+  initial.sigma_tilt = 10.0 * kRadPerDeg;
+  initial.sigma_gyro_bias = 0.02;
+  initial.sigma_velocity = 3.0;
 }
 
 }  // namespace
@@ -105,10 +117,7 @@ Initialisation start_of(std::span<const ImuSample> used, const Averages& mean, b
     initial.sigma_velocity = 0.05;
     initial.sigma_tilt = 0.02;
   } else {
-    initial.mode = InitialMode::dynamic_start;
-    initial.sigma_tilt = 10.0 * kRadPerDeg;
-    initial.sigma_gyro_bias = 0.02;
-    initial.sigma_velocity = 3.0;
+    release_velocity(initial);
   }
   out.verdict = fmt::format("{} start: |mean rate| {:.4f} rad/s, specific force {:.3f} +- {:.3f} m/s^2 over {} samples",
                             is_static ? "static" : "dynamic", mean.gyro.norm(), mean.acc.norm(), mean.acc_std, mean.n);
@@ -153,6 +162,34 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   Initialisation out = start_of(used, mean, is_static, sensor);
   out.initial.state.R = levelled(mean.acc);  // eq. INI-1
   return out;
+}
+
+void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const Mat3* heading) {
+  InitialState& initial = found.initial;
+  const bool static_by_imu = initial.mode == InitialMode::static_start;
+  const std::string seen = fmt::format("first sweeps: {:.2f} +- {:.2f} m/s, agreement {:.2f}, at rest {:.2f}",
+                                       motion.velocity.norm(), motion.sigma_velocity, motion.fit, motion.fit_at_rest);
+  if (static_by_imu && !motion.moves) {
+    found.verdict += fmt::format("; {}: at rest", seen);
+    return;
+  }
+  if (!motion.believed) {
+    if (static_by_imu) release_velocity(initial);
+    found.verdict += fmt::format("; {}: in motion, velocity not known", seen);
+    return;
+  }
+  if (static_by_imu) release_velocity(initial);
+  initial.mode = InitialMode::moving_start;
+  initial.rate = motion.rate;
+  initial.sigma_velocity = std::max(0.1, 3 * motion.sigma_velocity);
+  const double sigma_tilt = std::clamp(2 * motion.sigma_tilt, 1.0 * kRadPerDeg, 10.0 * kRadPerDeg);
+  if (motion.gravity.squaredNorm() > 0 && sigma_tilt < initial.sigma_tilt) {
+    const Vec3 up = -motion.gravity;
+    initial.state.R = heading == nullptr ? levelled(up) : Mat3(to_vertical(*heading * up) * *heading);
+    initial.sigma_tilt = sigma_tilt;
+  }
+  initial.state.v = initial.state.R * motion.velocity;
+  found.verdict += fmt::format("; {}: in motion", seen);
 }
 
 std::optional<Initialisation> initialise_without_imu(const stream::MeasurementStream& stream, TimeNs offset) {

@@ -113,6 +113,7 @@ class Odometry::Loop {
     initialisation_ = stages_.estimator->uses_imu()
                           ? initialise(stream_, config_.initialisation, sensor_, start_offset_)
                           : initialise_without_imu(stream_, start_offset_);
+    if (started() && !look_at_sweeps(*initialisation_, nullptr)) initialisation_.reset();
     if (!started()) {
       forget_waiting_data();
       return false;
@@ -121,6 +122,24 @@ class Odometry::Loop {
     tracking_.begin(feedback_.t);
     // A silence is known to be longer than max_gap once points that much later came, and the IMU may still be late.
     stream_.wait_for_imu(to_ns(config_.limits.max_gap) + kMostKept);
+    return true;
+  }
+
+  /// Lets the first sweeps confirm or correct a start (eq. INI-6). False while they have not arrived.
+  bool look_at_sweeps(Initialisation& found, const Mat3* heading) {
+    if (!config_.initialisation.register_sweeps || config_.initialisation.mode == InitialisationMode::static_start) {
+      return true;
+    }
+    constexpr TimeNs patience = 2 * kSecond;  // an IMU that falls silent is not waited for
+    const bool inertial = stages_.estimator->uses_imu();
+    const TimeNs begin = found.initial.state.t, end = begin + sweep_motion_span(sensor_);
+    const bool arrived = stream_.points_until() >= end && (!inertial || stream_.imu_until() >= end);
+    if (!arrived && !stream_.finished() && stream_.last_point() < end + patience) return false;
+    std::vector<ImuSample> imu;
+    if (inertial) stream_.imu_covering(begin, end, imu);
+    const bool calm = found.initial.mode == InitialMode::static_start;
+    const auto motion = find_sweep_motion(stream_.points(begin, end), imu, begin, sensor_, calm);
+    if (motion) apply_sweep_motion(found, *motion, heading);
     return true;
   }
 
@@ -139,13 +158,16 @@ class Odometry::Loop {
       // IMU data of points that are kept no longer.
       new_start_->skip(stream_.last_point() - kMostKept - to_ns(config_.initialisation.time));
     }
-    const auto found = new_start_->find(stream_, *stages_.estimator);
-    if (!found) {
+    if (!found_start_) found_start_ = new_start_->find(stream_, *stages_.estimator);
+    if (!found_start_) {
       if (stages_.estimator->uses_imu()) stream_.release(new_start_->keep_imu_from());
       stream_.forget_points(new_start_->searched_until());
       forget_waiting_data();
       return false;
     }
+    const Mat3 heading = found_start_->initial.state.R;
+    if (!look_at_sweeps(*found_start_, &heading)) return false;
+    const auto found = std::exchange(found_start_, std::nullopt);
     take(build_stages(config_, anew_));
     new_start_.reset();
     feedback_ = {};
@@ -268,7 +290,8 @@ class Odometry::Loop {
   Feedback feedback_;
   Pose believed_;  ///< T_W_I where the run begins anew if it is lost now
   TimeNs last_point_ = 0, last_accepted_ = 0, segment_begin_ = 0;
-  std::optional<NewStart> new_start_;  ///< while lost
+  std::optional<NewStart> new_start_;          ///< while lost
+  std::optional<Initialisation> found_start_;  ///< by it, not yet confirmed by the sweeps
   std::uint32_t sequence_ = 0, segment_ = 0;
 };
 

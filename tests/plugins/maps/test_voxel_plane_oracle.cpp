@@ -20,7 +20,7 @@ const Vec3 kOffset(0.137, 0.223, 0.311);  // of the grid, in edges
 using CellNumber = std::array<long, 3>;
 using Points = std::vector<Vec3>;
 
-CellNumber cell_of(const Vec3& p, double edge) {
+CellNumber cell_number(const Vec3& p, double edge) {
   const Vec3 cell = ((p + kEdge * kOffset) / edge).array().floor();
   return {std::lround(cell.x()), std::lround(cell.y()), std::lround(cell.z())};
 }
@@ -99,19 +99,19 @@ TEST_CASE("voxel_plane: every voxel has the plane that is fitted to all its poin
     Points second;
     std::map<CellNumber, Points> whole, parts;
     for (const Vec3& p : first) {
-      whole[cell_of(p, kEdge)].push_back(p);
+      whole[cell_number(p, kEdge)].push_back(p);
       for (int i = 0; i < 3; ++i) {
         const Vec3 near = uniform.in_box(p, 0.01);
-        second.push_back(cell_of(near, kEdge) == cell_of(p, kEdge) ? near : p);
+        second.push_back(cell_number(near, kEdge) == cell_number(p, kEdge) ? near : p);
       }
     }
     // A voxel has parts once a fit has found it to be no plane; they hold what comes after.
     std::map<CellNumber, Fit> before;
     for (const auto& [cell, points] : whole) before[cell] = fit(points);
     for (const Vec3& p : second) {
-      const CellNumber cell = cell_of(p, kEdge);
+      const CellNumber cell = cell_number(p, kEdge);
       const bool was_fitted = whole[cell].size() >= kLeastPoints || before[cell].plane;
-      if (was_fitted && !before[cell].plane) parts[cell_of(p, kEdge / 2)].push_back(p);
+      if (was_fitted && !before[cell].plane) parts[cell_number(p, kEdge / 2)].push_back(p);
     }
     const auto enter = [&](const Points& points, std::uint32_t stamp) {
       std::vector<WorldPoint> batch;
@@ -121,11 +121,11 @@ TEST_CASE("voxel_plane: every voxel has the plane that is fitted to all its poin
     enter(first, 1);
     enter(second, 2);
     std::map<CellNumber, Points> all = whole;
-    for (const Vec3& p : second) all[cell_of(p, kEdge)].push_back(p);
+    for (const Vec3& p : second) all[cell_number(p, kEdge)].push_back(p);
     std::vector<Surface> found(first.size());
     map->surfaces(first, MapQuery{}, found);
     for (std::size_t i = 0; i < first.size(); ++i) {
-      const CellNumber cell = cell_of(first[i], kEdge);
+      const CellNumber cell = cell_number(first[i], kEdge);
       const Fit coarse = fit(all[cell]);
       if (!coarse.certain || !before[cell].certain) continue;
       if (coarse.plane) {
@@ -133,7 +133,7 @@ TEST_CASE("voxel_plane: every voxel has the plane that is fitted to all its poin
         check(found[i], coarse, kEdge);
         continue;
       }
-      const auto part = parts.find(cell_of(first[i], kEdge / 2));
+      const auto part = parts.find(cell_number(first[i], kEdge / 2));
       const Fit fine = part == parts.end() ? Fit{} : fit(part->second);
       if (!fine.certain) continue;
       ++(fine.plane ? seen.finer : seen.none);

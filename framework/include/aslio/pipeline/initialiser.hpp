@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "aslio/pipeline/sweep_motion.hpp"
 #include "aslio/stages/estimator.hpp"
 #include "aslio/stream/measurement_stream.hpp"
 
@@ -16,6 +17,7 @@ struct InitialisationParams {
   double time = 0.1;            ///< [s] of IMU data averaged
   double static_acc_std = 0.3;  ///< [m/s^2]
   double static_rate = 0.05;    ///< [rad/s]
+  bool register_sweeps = true;  ///< rest is proved, and a velocity found, by the first sweeps (INI-6)
 
   static void describe(config::Binder& b, InitialisationParams& p);
 };
@@ -35,6 +37,10 @@ TimeNs start_offset(std::uint64_t order_seed);
 /// rest, [3, 20] in motion), naming the factor.
 std::optional<Initialisation> initialise(const stream::MeasurementStream& stream, const InitialisationParams& params,
                                          const SensorModel& sensor, TimeNs offset = 0);
+
+/// What the first sweeps make of a start (eq. INI-6): a rest that they contradict is none, and a velocity that they
+/// bind is known. `heading`: R_W_I whose heading is kept; without it the yaw is zero. Adds to the verdict.
+void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const Mat3* heading = nullptr);
 
 /// The initial state for an estimator without IMU: `offset` after the first point, in the origin of W, the axes of W
 /// those of I.

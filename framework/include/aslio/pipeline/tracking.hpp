@@ -17,7 +17,7 @@ struct Divergence {
 
 /// Beyond any of them a run is lost.
 struct TrackingLimits {
-  double max_speed = 30.0;   ///< of the state [m/s]
+  double max_speed = 60.0;   ///< of the state [m/s]
   double max_silence = 1.0;  ///< without an accepted update [s]
   double max_gap = 5.0;      ///< without points, or without IMU data where they are asked for [s]
 };

@@ -14,13 +14,18 @@
 
 namespace aslio {
 
-/// How the state at start was found (docs/equations.md INI-1, INI-2).
-enum class InitialMode : std::uint8_t { static_start, dynamic_start };
+/// How the state at start was found (docs/equations.md INI-1, INI-2, INI-6).
+enum class InitialMode : std::uint8_t {
+  static_start,   ///< at rest
+  dynamic_start,  ///< in motion, the velocity unknown: the first updates find it (INI-3)
+  moving_start    ///< in motion, the velocity known from the first sweeps
+};
 
 /// What initialisation knows: the state and one standard deviation per block.
 struct InitialState {
   NavState state;
   InitialMode mode = InitialMode::static_start;
+  Vec3 rate = Vec3::Zero();       ///< moving_start without IMU: turn rate, in I [rad/s]
   double sigma_tilt = 0.02;       ///< roll and pitch against gravity [rad]
   double sigma_velocity = 0.01;   ///< [m/s]
   double sigma_gyro_bias = 1e-3;  ///< [rad/s]

@@ -1,9 +1,9 @@
-#include "maps/cell_index.hpp"
+#include "aslio/core/cell_index.hpp"
 
 #include <bit>
 #include <utility>
 
-namespace aslio::plugins {
+namespace aslio {
 
 void CellIndex::clear() {
   used_ = 0;
@@ -46,4 +46,4 @@ void CellIndex::erase(std::uint64_t key) {
   --used_;
 }
 
-}  // namespace aslio::plugins
+}  // namespace aslio

@@ -10,7 +10,7 @@
 #include "aslio/core/lie.hpp"
 #include "aslio/core/spread.hpp"
 
-namespace aslio::plugins {
+namespace aslio {
 
 /// Integer coordinates of a voxel, floor(p / edge) per axis.
 struct VoxelCell {
@@ -82,4 +82,4 @@ class CellIndex {
   unsigned shift_ = 0;
 };
 
-}  // namespace aslio::plugins
+}  // namespace aslio

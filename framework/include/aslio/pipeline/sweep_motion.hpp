@@ -1,0 +1,41 @@
+#pragma once
+/// The motion over the first sweeps of a recording, found by registering them (docs/equations.md INI-6).
+
+#include <optional>
+#include <span>
+
+#include "aslio/core/sensor.hpp"
+#include "aslio/core/types.hpp"
+
+namespace aslio::pipeline {
+
+/// What the first sweeps say. All vectors have the axes of I at the begin.
+struct SweepMotion {
+  Vec3 velocity = Vec3::Zero();  ///< of I at the begin [m/s]
+  Vec3 rate = Vec3::Zero();      ///< what the gyro does not tell of the rate; without IMU data all of it [rad/s]
+  Vec3 gravity = Vec3::Zero();   ///< [m/s^2]; zero without IMU data
+  double sigma_velocity = 0;     ///< standard deviation in the worst direction [m/s]
+  double sigma_tilt = 0;         ///< of the direction of gravity [rad]
+  double fit = 0;                ///< how well the next sweep, which took no part, agrees: 0 not at all, 1 fully
+  double fit_at_rest = 0;        ///< the same had the sensor not moved
+  /// The points show a motion: no rest explains the sweeps as well.
+  bool moves = false;
+  /// The next sweep agrees with the motion, and the points bind it.
+  bool believed = false;
+};
+
+/// Sweeps that are registered with the first one, and one to check the result.
+inline constexpr int kSweepsOfMotion = 4;
+
+/// Data after the begin that find_sweep_motion() needs [ns].
+inline TimeNs sweep_motion_span(const SensorModel& sensor) { return to_ns(kSweepsOfMotion * sensor.sweep_period); }
+
+/// Registers the sweeps of (begin, begin + sweep_motion_span()] with each other: coarse to fine, from several
+/// hypotheses of a speed of up to 40 m/s. `points`: raw points of that time; `imu`: samples that cover it, the first at
+/// `begin`; empty without an IMU. `calm`: the IMU shows no acceleration or turn, so a rest is believed when it explains
+/// the sweeps. Nothing when a sweep has too few points. Same input, same bits. Costs some 20 ms at rest and some 0.3 s
+/// in motion.
+std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points, std::span<const ImuSample> imu,
+                                             TimeNs begin, const SensorModel& sensor, bool calm);
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,403 @@
+#include "aslio/pipeline/sweep_motion.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "aslio/core/angles.hpp"
+#include "aslio/core/spread.hpp"
+#include "sweep_cells.hpp"
+
+namespace aslio::pipeline {
+
+namespace {
+
+using Vec9 = Eigen::Matrix<double, 9, 1>;
+using Mat9 = Eigen::Matrix<double, 9, 9>;
+
+constexpr double kMaxSpeed = 40.0;               // [m/s]
+constexpr std::size_t kReferencePoints = 40000;  // of the first sweep
+constexpr std::size_t kScanPoints = 8000;        // of those, where velocities are compared
+constexpr std::size_t kQueryPoints = 1200;       // of each other one
+constexpr double kMaxRange = 50.0;               // beyond, points lie too far apart for the cells [m]
+constexpr std::size_t kMinSweepPoints = 100;     // a sweep with fewer says nothing
+
+/// How far the registration looks, from coarse to fine: edge of the cells and least deviation from a surface [m].
+struct Level {
+  double edge, softness;
+  int iterations;
+};
+constexpr std::array<Level, 3> kLevels = {{{2.0, 0.2, 5}, {1.0, 0.08, 5}, {0.5, 0.04, 6}}};
+
+/// Attitude and displacement by specific force over the span, from the IMU alone.
+class InertialPath {
+ public:
+  InertialPath(std::span<const ImuSample> imu, TimeNs begin) {
+    knots_.push_back({begin, Mat3::Identity(), Vec3::Zero(), Vec3::Zero()});
+    for (std::size_t i = 1; i < imu.size(); ++i) {
+      const double dt = to_seconds(imu[i].t - imu[i - 1].t);
+      if (!(dt > 0)) continue;
+      const Knot& from = knots_.back();
+      const Mat3 half = from.R * exp_so3(0.25 * dt * (imu[i - 1].gyro + imu[i].gyro));
+      const Vec3 acc = half * (0.5 * (imu[i - 1].acc + imu[i].acc));
+      knots_.push_back({imu[i].t, from.R * exp_so3(0.5 * dt * (imu[i - 1].gyro + imu[i].gyro)), from.v + dt * acc,
+                        from.s + dt * from.v + 0.5 * dt * dt * acc});
+    }
+  }
+  SweepPoint point(const Vec3& p_I, TimeNs t) {
+    while (at_ + 2 < knots_.size() && knots_[at_ + 1].t < t) ++at_;
+    SweepPoint out;
+    out.t = to_seconds(t - knots_.front().t);
+    const Knot& a = knots_[at_];
+    if (knots_.size() == 1) {
+      out.q = out.y = p_I;
+      return out;
+    }
+    const Knot& b = knots_[at_ + 1];
+    const double u = std::clamp(to_seconds(t - a.t) / to_seconds(b.t - a.t), 0.0, 1.0);
+    const double dt = u * to_seconds(b.t - a.t);
+    const Vec3 acc = (b.v - a.v) / to_seconds(b.t - a.t);
+    out.q = interpolate({a.R, Vec3::Zero()}, {b.R, Vec3::Zero()}, u).R * p_I;
+    out.y = out.q + a.s + dt * a.v + 0.5 * dt * dt * acc;
+    return out;
+  }
+
+ private:
+  struct Knot {
+    TimeNs t;
+    Mat3 R;
+    Vec3 v, s;
+  };
+  std::vector<Knot> knots_;
+  std::size_t at_ = 0;
+};
+
+struct Normal {
+  Mat9 H = Mat9::Zero();
+  Vec9 b = Vec9::Zero();
+};
+
+class Registration {
+ public:
+  Registration(std::span<const TimedPoint> points, std::span<const ImuSample> imu, TimeNs begin,
+               const SensorModel& sensor)
+      : inertial_(!imu.empty()) {
+    InertialPath path(imu, begin);
+    const TimeNs period = to_ns(sensor.sweep_period);
+    std::size_t next = 0;
+    for (int k = 0; k < kSweepsOfMotion; ++k) {
+      const std::size_t first = next;
+      while (next < points.size() && points[next].t <= begin + (k + 1) * period) ++next;
+      take(points.subspan(first, next - first), k == 0 ? kReferencePoints : kQueryPoints, path, sensor,
+           sweeps_[static_cast<std::size_t>(k)]);
+    }
+    if (inertial_) {
+      Vec3 force = Vec3::Zero();
+      for (const ImuSample& sample : imu) force += sample.acc;
+      prior_.g = -kStandardGravity * force.normalized();
+    }
+    if (!complete()) return;
+    scan_ = some(upright(sweeps_[0]), kScanPoints);
+    scan_query_ = upright(sweeps_[1]);
+    finest_ = finest_level();
+  }
+
+  bool complete() const {
+    return std::all_of(sweeps_.begin(), sweeps_.end(), [](const auto& s) { return s.size() >= kMinSweepPoints; });
+  }
+  const ConstantMotion& prior() const { return prior_; }
+  bool inertial() const { return inertial_; }
+
+  /// Share of the second sweep that falls into occupied cells, for one velocity.
+  double coarse_score(const Vec3& v) {
+    const ConstantMotion motion = with_velocity(v);
+    occupied_.build(scan_, motion, 1.0);
+    std::size_t hits = 0;
+    for (const SweepPoint& p : scan_query_) hits += occupied_.occupied(motion.place(p)) ? 1 : 0;
+    return static_cast<double>(hits) / static_cast<double>(scan_query_.size());
+  }
+
+  ConstantMotion with_velocity(const Vec3& v) const {
+    ConstantMotion motion = prior_;
+    motion.v = v;
+    return motion;
+  }
+
+  void build(const ConstantMotion& motion, std::size_t level) {
+    cells_.build(sweeps_[0], motion, kLevels[level].edge, kLevels[level].softness);
+    if (coarse_too_) coarse_.build(sweeps_[0], motion, kLevels[0].edge, kLevels[0].softness);
+  }
+
+  /// From now on a coarse level takes part beside the fine one: it binds what only surfaces between distant scan lines
+  /// do. Not before: it would hold the search back where it is.
+  void add_coarse_level() { coarse_too_ = finest_ > 0; }
+
+  /// Registers sweeps 1 to `last` with sweep 0, at kLevels from `from` on.
+  void refine(ConstantMotion& motion, std::size_t from, std::size_t last) {
+    for (std::size_t level = std::min(from, finest_); level <= finest_; ++level) {
+      for (int i = 0; i < kLevels[level].iterations; ++i) {
+        if (i % 2 == 0) build(motion, level);
+        if (step(motion, last).norm() < 1e-3) break;
+      }
+    }
+  }
+
+  /// Mean agreement of the points of a sweep at the finest level. `all`: those that meet no surface count as well, as
+  /// not in agreement.
+  double fit(const ConstantMotion& motion, std::size_t sweep, bool all) {
+    cells_.build(sweeps_[0], motion, kLevels[finest_].edge, kLevels[finest_].softness);
+    double sum = 0;
+    std::size_t n = 0;
+    for (const SweepPoint& p : sweeps_[sweep]) {
+      const Vec3 x = motion.place(p);
+      const SweepCell* cell = cells_.nearest(x);
+      if (cell == nullptr) continue;
+      ++n;
+      const Vec3 r = x - cell->centre;
+      sum += std::exp(-0.5 * r.dot(cell->information * r));
+    }
+    return sum / static_cast<double>(std::max<std::size_t>(all ? sweeps_[sweep].size() : n, 1));
+  }
+
+  /// Covariance of (v, g, e) after refine(): the softness stands for one standard deviation.
+  Mat9 covariance(const ConstantMotion& motion, std::size_t last) {
+    build(motion, finest_);
+    return linearise(motion, last).H.ldlt().solve(Mat9::Identity());
+  }
+
+ private:
+  static void take(std::span<const TimedPoint> raw, std::size_t most, InertialPath& path, const SensorModel& sensor,
+                   std::vector<SweepPoint>& out) {
+    std::vector<const TimedPoint*> near;
+    for (const TimedPoint& p : raw) {
+      const double range = Vec3(p.x, p.y, p.z).norm();
+      if (range >= sensor.min_range && range <= std::min(sensor.max_range, kMaxRange)) near.push_back(&p);
+    }
+    // By thirds of a metre, so that near surfaces do not outvote all others.
+    CellIndex seen;
+    std::vector<const TimedPoint*> spread;
+    for (const TimedPoint* p : near) {
+      const auto cell = cell_of(Vec3(p->x, p->y, p->z), most == kQueryPoints ? 1.0 : 6.0);
+      if (!cell || seen.find(pack(*cell)) != CellIndex::kNone) continue;
+      seen.insert(pack(*cell), 0);
+      spread.push_back(p);
+    }
+    const std::size_t taken = std::min(most, spread.size());
+    OneOfEachRun choice(taken, spread.size(), 0);
+    for (std::size_t k = 0; k < taken; ++k) {
+      const TimedPoint& p = *spread[choice.next()];
+      out.push_back(path.point(sensor.T_imu_lidar * Vec3(p.x, p.y, p.z), p.t));
+    }
+  }
+
+  /// Points of what stands upright: lines of the scanner on the ground move with the sensor and look at rest. All
+  /// points where hardly anything stands.
+  std::vector<SweepPoint> upright(const std::vector<SweepPoint>& all) const {
+    constexpr double column = 1.0, height = 0.6;  // [m]
+    const Mat3 to_level = level_frame();
+    CellIndex index;
+    std::vector<std::pair<double, double>> extents;
+    std::vector<std::uint32_t> of(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Vec3 p = to_level * all[i].q;
+      const std::uint64_t key = pack(*cell_of(Vec3(p.x(), p.y(), 0), 1.0 / column));
+      of[i] = index.find(key);
+      if (of[i] == CellIndex::kNone) {
+        of[i] = static_cast<std::uint32_t>(extents.size());
+        index.insert(key, of[i]);
+        extents.emplace_back(p.z(), p.z());
+      }
+      auto& [low, high] = extents[of[i]];
+      low = std::min(low, p.z());
+      high = std::max(high, p.z());
+    }
+    std::vector<SweepPoint> out;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (extents[of[i]].second - extents[of[i]].first > height) out.push_back(all[i]);
+    }
+    return out.size() >= kMinSweepPoints ? out : all;
+  }
+
+  /// Rotation from B to a frame whose z is up.
+  Mat3 level_frame() const {
+    const Vec3 up = prior_.g.squaredNorm() > 0 ? Vec3(-prior_.g.normalized()) : Vec3(Vec3::UnitZ());
+    return Eigen::Quaterniond::FromTwoVectors(up, Vec3::UnitZ()).toRotationMatrix();
+  }
+
+  static std::vector<SweepPoint> some(const std::vector<SweepPoint>& all, std::size_t most) {
+    std::vector<SweepPoint> out;
+    const std::size_t taken = std::min(most, all.size());
+    OneOfEachRun choice(taken, all.size(), 1);
+    for (std::size_t k = 0; k < taken; ++k) out.push_back(all[choice.next()]);
+    return out;
+  }
+
+  /// What is known beforehand: the direction of gravity to 10 deg, the rate of the gyro to 0.02 rad/s.
+  void add_prior(const ConstantMotion& motion, Normal& sum) const {
+    const double sigma_g = inertial_ ? 1.7 : 3.0, sigma_e = inertial_ ? 0.02 : 1.0;
+    constexpr double sigma_v = 100.0;  // [m/s], keeps H regular
+    sum.H.diagonal().head<3>().array() += 1.0 / (sigma_v * sigma_v);
+    sum.H.diagonal().segment<3>(3).array() += 1.0 / (sigma_g * sigma_g);
+    sum.H.diagonal().tail<3>().array() += 1.0 / (sigma_e * sigma_e);
+    sum.b.segment<3>(3) += (motion.g - prior_.g) / (sigma_g * sigma_g);
+    sum.b.tail<3>() += motion.e / (sigma_e * sigma_e);
+  }
+
+  Normal linearise(const ConstantMotion& motion, std::size_t last) {
+    Normal sum;
+    add_prior(motion, sum);
+    add_matches(motion, last, cells_, sum);
+    if (coarse_too_) add_matches(motion, last, coarse_, sum);
+    return sum;
+  }
+
+  void add_matches(const ConstantMotion& motion, std::size_t last, SweepCells& cells, Normal& sum) const {
+    for (std::size_t k = 1; k <= last; ++k) {
+      for (const SweepPoint& p : sweeps_[k]) {
+        const Vec3 x = motion.place(p);
+        const SweepCell* cell = cells.nearest(x);
+        if (cell == nullptr) continue;
+        const Vec3 r = x - cell->centre;
+        const Vec3 weighted = cell->information * r;
+        const double square = r.dot(weighted);
+        if (!(square < 100.0)) continue;
+        const double robust = 1.0 / std::pow(1.0 + square / 4.0, 2);  // Geman-McClure at two sigma
+        Eigen::Matrix<double, 3, 9> J;
+        J.leftCols<3>() = (p.t - cell->mean.t) * Mat3::Identity();
+        J.middleCols<3>(3) = 0.5 * (p.t * p.t - cell->mean_square_t) * Mat3::Identity();
+        J.rightCols<3>() = -(p.t * hat(p.q) - cell->mean.t * hat(cell->mean.q));
+        sum.H += robust * J.transpose() * cell->information * J;
+        sum.b += robust * J.transpose() * weighted;
+      }
+    }
+  }
+
+  Vec9 step(ConstantMotion& motion, std::size_t last) {
+    const Normal sum = linearise(motion, last);
+    const Vec9 step = -sum.H.ldlt().solve(sum.b);
+    if (!step.allFinite()) return Vec9::Zero();
+    motion.v += step.head<3>();
+    motion.g += step.segment<3>(3);
+    motion.e += step.tail<3>();
+    if (inertial_) motion.g *= kStandardGravity / motion.g.norm();
+    return step;
+  }
+
+  /// The finest level at which enough points meet a surface: few lines leave small cells without one.
+  std::size_t finest_level() {
+    constexpr double enough = 0.25;
+    for (std::size_t level = kLevels.size() - 1; level > 0; --level) {
+      cells_.build(sweeps_[0], prior_, kLevels[level].edge, kLevels[level].softness);
+      std::size_t met = 0;
+      for (const SweepPoint& p : sweeps_[1]) met += cells_.nearest(prior_.place(p)) != nullptr ? 1 : 0;
+      if (static_cast<double>(met) >= enough * static_cast<double>(sweeps_[1].size())) return level;
+    }
+    return 0;
+  }
+
+  bool inertial_;
+  std::size_t finest_ = kLevels.size() - 1;
+  std::array<std::vector<SweepPoint>, kSweepsOfMotion> sweeps_;
+  ConstantMotion prior_;
+  std::vector<SweepPoint> scan_, scan_query_;
+  SweepCells cells_, coarse_;
+  bool coarse_too_ = false;
+  OccupiedCells occupied_;
+};
+
+/// Velocities on a grid of displacements per sweep: across gravity with an IMU, in all directions without.
+std::vector<Vec3> hypotheses(const Registration& registration, double period) {
+  constexpr double spacing = 0.75;  // [m]
+  const double reach = kMaxSpeed * period;
+  const int n = static_cast<int>(std::ceil(reach / spacing));
+  const Vec3 up = registration.inertial() ? Vec3(-registration.prior().g.normalized()) : Vec3::UnitZ();
+  const Vec3 along = up.unitOrthogonal(), across = up.cross(along);
+  const int high = registration.inertial() ? 0 : 2;
+  std::vector<Vec3> out;
+  for (int i = -n; i <= n; ++i) {
+    for (int j = -n; j <= n; ++j) {
+      for (int k = -high; k <= high; ++k) {
+        const Vec3 shift = spacing * (i * along + j * across + k * up);
+        if (shift.norm() <= reach && (i != 0 || j != 0 || k != 0)) out.push_back(shift / period);
+      }
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const Vec3& a, const Vec3& b) { return a.squaredNorm() < b.squaredNorm(); });
+  return out;
+}
+
+struct Scored {
+  Vec3 v = Vec3::Zero();
+  double score = 0;
+};
+
+}  // namespace
+
+// eq. INI-6.
+std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points, std::span<const ImuSample> imu,
+                                             TimeNs begin, const SensorModel& sensor, bool calm) {
+  constexpr std::size_t kRefined = 5;  // hypotheses that are looked at closely
+  constexpr std::size_t kAtRest = 1;   // where a rest explains them as well
+  constexpr double kSame = 0.03;       // scores that differ by less are equal
+  constexpr double kRestSpeed = 0.15;  // who stands and holds the sensor may be as fast [m/s]
+  constexpr double kBetter = 1.1;      // a fit that is better by less is as good
+  Registration registration(points, imu, begin, sensor);
+  if (!registration.complete()) return std::nullopt;
+  const double period = sensor.sweep_period;
+
+  const double score_at_rest = registration.coarse_score(Vec3::Zero());
+  std::vector<Scored> scored;
+  for (const Vec3& v : hypotheses(registration, period)) scored.push_back({v, registration.coarse_score(v)});
+  std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<Vec3> candidates = {Vec3::Zero()};
+  const bool rest_is_best = scored.empty() || score_at_rest >= scored.front().score - kSame;
+  for (const Scored& s : scored) {
+    if (candidates.size() > (calm && rest_is_best ? kAtRest : kRefined)) break;
+    const bool apart = std::all_of(candidates.begin(), candidates.end(),
+                                   [&](const Vec3& v) { return (v - s.v).norm() * period > 1.2; });
+    if (apart) candidates.push_back(s.v);
+  }
+
+  ConstantMotion best;
+  double best_fit = -1;
+  for (const Vec3& v : candidates) {
+    ConstantMotion motion = registration.with_velocity(v);
+    registration.refine(motion, 0, 1);
+    const double fit = registration.fit(motion, 2, true);
+    if (fit > kBetter * best_fit || (kBetter * fit > best_fit && motion.v.norm() < best.v.norm())) {
+      best = motion;
+      best_fit = std::max(fit, best_fit);
+    }
+  }
+  registration.refine(best, kLevels.size(), 2);
+
+  SweepMotion out;
+  constexpr std::size_t check = kSweepsOfMotion - 1;
+  const ConstantMotion rest = registration.with_velocity(Vec3::Zero());
+  out.fit = registration.fit(best, check, false);
+  out.fit_at_rest = registration.fit(rest, check, false);
+  const bool better = registration.fit(best, check, true) > kBetter * registration.fit(rest, check, true);
+  const bool confirmed = out.fit > 0.6 * registration.fit(best, 1, false);
+
+  registration.add_coarse_level();
+  registration.refine(best, kLevels.size(), check);
+  out.velocity = best.v;
+  out.rate = best.e;
+  if (registration.inertial()) out.gravity = best.g;
+  const Mat9 P = registration.covariance(best, check);
+  const auto worst = [&](int at) {
+    return std::sqrt(std::max(
+        0.0, Eigen::SelfAdjointEigenSolver<Mat3>(P.block<3, 3>(at, at), Eigen::EigenvaluesOnly).eigenvalues()[2]));
+  };
+  out.sigma_velocity = worst(0);
+  out.sigma_tilt = worst(3) / kStandardGravity;
+  out.moves = better && best.v.norm() > std::max(kRestSpeed, 2 * out.sigma_velocity);
+  out.believed = confirmed && out.sigma_velocity < 0.5;
+  return out;
+}
+
+}  // namespace aslio::pipeline
