@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/simulator/imu_params.hpp"
@@ -138,9 +139,8 @@ TEST_CASE("the body pitches when the car brakes and rolls outwards in bends", "[
   for (double t = 0; t < drive.duration(); t += 0.01) {
     const MotionState m = drive.at(t);
     const Vec3 a = m.R.transpose() * m.a;
-    const double nose_down = -std::asin(m.R(2, 0)) * -1, left_up = std::asin(m.R(2, 1));
-    most_pitch = std::max(most_pitch, std::abs(nose_down));
-    most_roll = std::max(most_roll, std::abs(left_up));
+    most_pitch = std::max(most_pitch, std::abs(std::asin(m.R(2, 0))));
+    most_roll = std::max(most_roll, std::abs(std::asin(m.R(2, 1))));
     if (std::abs(a.x()) > 1) REQUIRE(m.R(2, 0) * a.x() > 0);
     if (std::abs(a.y()) > 2) REQUIRE(m.R(2, 1) * a.y() > 0);
   }
