@@ -29,15 +29,17 @@ TEST_CASE("describe tells the keys of a scene, with those of every type of world
   CHECK(text.code == 0);
   CHECK_THAT(text.out, Contains("schema: aslio/scene/1") && Contains("walk.glances.N.angle: number") &&
                            Contains("lidar.noise: true|false") && Contains("stress.packet_loss"));
-  const std::string types = "office|garage|library|campus|approach|doorway|mesh";
+  const std::string types = "office|garage|library|campus|approach|doorway|street|mesh";
   CHECK_THAT(text.out, Contains("world.type: one of " + types + ","));
   std::size_t from = 0;
-  for (const char* type : {"office", "garage", "library", "campus", "approach", "doorway", "mesh"}) {
+  for (const char* type : {"office", "garage", "library", "campus", "approach", "doorway", "street", "mesh"}) {
     INFO(type);
     const std::size_t at = text.out.find(std::string("\nworld of type ") + type + "\n\n  world.", from);
     REQUIRE(at != std::string::npos);
     from = at;
   }
+  CHECK_THAT(text.out, Contains("\nmotion: drive\n") && Contains("drive.start_speed: number") &&
+                           Contains("cars.oncoming: integer"));
   const std::size_t office = text.out.find("world of type office");
   CHECK(text.out.find("world.corridor_width") > office);
   CHECK(text.out.find("world.file: text") > text.out.find("world of type mesh"));

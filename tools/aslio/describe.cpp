@@ -40,6 +40,19 @@ std::vector<Part> parts_of() {
            })}};
 }
 
+/// A scene with `motion: drive` has keys that others do not have.
+Part drive_part() {
+  config::Description keys = config::describe([](config::Binder& binder) {
+    simulator::Scene scene;
+    scene.motion = simulator::MotionKind::drive;
+    simulator::Scene::describe(binder, scene);
+  });
+  std::erase_if(keys.fields, [](const config::Field& field) {
+    return !field.path.starts_with("drive.") && !field.path.starts_with("cars.");
+  });
+  return {"motion: drive", std::move(keys)};
+}
+
 /// The keys of `world` depend on its type: those of each are a part of their own.
 std::vector<Part> scene_parts() {
   using simulator::WorldKind;
@@ -49,8 +62,9 @@ std::vector<Part> scene_parts() {
     return field.path.starts_with("world.") && field.path != "world.type";
   };
   all.erase(std::remove_if(all.begin(), all.end(), depends_on_type), all.end());
+  parts.push_back(drive_part());
   for (const WorldKind kind : {WorldKind::office, WorldKind::garage, WorldKind::library, WorldKind::campus,
-                               WorldKind::approach, WorldKind::doorway, WorldKind::mesh}) {
+                               WorldKind::approach, WorldKind::doorway, WorldKind::street, WorldKind::mesh}) {
     config::Description world = config::describe([kind](config::Binder& binder) {
       simulator::WorldParams params;
       params.type = kind;

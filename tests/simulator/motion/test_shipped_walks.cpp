@@ -24,7 +24,7 @@ std::vector<SceneFile> shipped_walks() {
   std::vector<SceneFile> scenes;
   for (const auto& file : files) {
     scenes.push_back(load_scene(file));
-    if (scenes.back().scene.route.empty()) scenes.pop_back();
+    if (scenes.back().scene.route.empty() || scenes.back().scene.motion != MotionKind::walk) scenes.pop_back();
   }
   REQUIRE(!scenes.empty());
   return scenes;

@@ -77,7 +77,7 @@ void ImuParams::describe(config::Binder& b, ImuParams& params) {
            {{"perfect", ImuPreset::perfect}, {"ideal", ImuPreset::ideal}, {"datasheet", ImuPreset::datasheet}},
            "perfect: exact and unlimited; ideal: noise and biases of a BMI088, 2000 deg/s, 3 g; datasheet: ideal with "
            "scale error 1 %, cross-axis 0.5 %, g-sensitivity 0.1 deg/s per g, delay 2 ms");
-  b.real("rate", params.rate, "Hz", {.min = 20.0, .max = 10000.0}, "samples per second");
+  b.real("rate", params.rate, "Hz", {.min = 5.0, .max = 10000.0}, "samples per second");
   describe_noise(b, params);
   describe_calibration(b, params);
 }

@@ -13,6 +13,10 @@ void LidarParams::describe(config::Binder& b, LidarParams& p) {
                   "nothing nearer is reported");
   b.optional_real("max_range", p.max_range, "m", {.above = 0.0, .max = 1000.0}, "= that of the sensor",
                   "nothing farther is reported");
+  b.integer("columns", p.columns, "1", {.min = 100.0, .max = 10000.0},
+            "firings per turn of a spinning sensor: 400, 500, 800, 1000, 2000, ..; others have none");
+  b.require(may_be_columns(p.columns), "columns",
+            "must end with every 10 ms: 400, 500, 800, 1000, 1250, 1600, 2000, ..");
   b.real("dropout", p.dropout, "1", {.min = 0.0, .max = 1.0}, "share of pulses lost at random");
   b.real("outliers", p.outliers, "1", {.min = 0.0, .max = 1.0},
          "share of returns at a random range before the surface");

@@ -1,16 +1,20 @@
 #include "aslio/simulator/scan_pattern.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include "aslio/core/angles.hpp"
+#include "aslio/core/errors.hpp"
 #include "aslio/simulator/avia.hpp"
 
 namespace aslio::simulator {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
+constexpr TimeNs kTurnTime = kSecond / 10, kBlockTime = kSecond / 100;
 
 struct SineCosine {
   double sine = 0, cosine = 1;
@@ -72,40 +76,51 @@ class Mid360 final : public ScanPattern {
   }
 };
 
-/// Beams at fixed elevations, evenly spaced, on a head that turns 10 times per second; 2000 columns.
+/// Beams at fixed elevations, evenly spaced, on a head that turns 10 times per second.
 class Spinning final : public ScanPattern {
  public:
-  Spinning(int beams, double lowest, double highest) {
+  Spinning(int beams, double lowest, double highest, std::int64_t columns)
+      : columns_(columns), period_(kTurnTime / columns) {
     for (int k = 0; k < beams; ++k)
       elevations_.push_back(sine_cosine((lowest + (highest - lowest) * k / (beams - 1)) * kRadPerDeg));
-    for (int column = 0; column < kColumns; ++column) azimuths_.push_back(sine_cosine(-kTurn * column / kColumns));
+    for (std::int64_t column = 0; column < columns; ++column)
+      azimuths_.push_back(sine_cosine(-kTurn * static_cast<double>(column) / static_cast<double>(columns)));
   }
   std::size_t beams_per_firing() const override { return elevations_.size(); }
-  TimeNs firing_period() const override { return kPeriod; }
+  TimeNs firing_period() const override { return period_; }
   LidarMessage message() const override { return LidarMessage::point_cloud2; }
   void fire(TimeNs since, std::span<Beam> out) const override {
-    const SineCosine& azimuth = azimuths_[static_cast<std::size_t>((since / kPeriod) % kColumns)];
+    const SineCosine& azimuth = azimuths_[static_cast<std::size_t>((since / period_) % columns_)];
     for (std::size_t k = 0; k < elevations_.size(); ++k) out[k] = beam_at(azimuth, elevations_[k]);
   }
 
  private:
-  static constexpr TimeNs kPeriod = 50'000;
-  static constexpr int kColumns = 2000;
+  std::int64_t columns_;
+  TimeNs period_;
   std::vector<SineCosine> elevations_, azimuths_;  ///< clockwise seen from above, from x
 };
 
 }  // namespace
 
-std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind) {
+bool may_be_columns(std::int64_t columns) {
+  return columns > 0 && kTurnTime % columns == 0 && kBlockTime % (kTurnTime / columns) == 0;
+}
+
+std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind, std::int64_t columns) {
+  if (!may_be_columns(columns))
+    throw ConfigError(
+        fmt::format("lidar.columns: {} columns do not end with every 10 ms; give 400, 500, 800, 1000, 1250, "
+                    "1600 or 2000, say",
+                    columns));
   switch (kind) {
     case SensorKind::mid360:
       return std::make_unique<Mid360>();
     case SensorKind::spin16:
-      return std::make_unique<Spinning>(16, -15.0, 15.0);
+      return std::make_unique<Spinning>(16, -15.0, 15.0, columns);
     case SensorKind::spin32:
-      return std::make_unique<Spinning>(32, -30.67, 10.67);
+      return std::make_unique<Spinning>(32, -30.67, 10.67, columns);
     case SensorKind::spin64:
-      return std::make_unique<Spinning>(64, -24.8, 2.0);
+      return std::make_unique<Spinning>(64, -24.8, 2.0, columns);
     default:
       return std::make_unique<Avia>();
   }

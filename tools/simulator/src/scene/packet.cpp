@@ -49,6 +49,7 @@ class PacketSimulation {
     }
     simulation_.caster().cast(T_W_L.p, directions_, model_.max_range(), hits_);
     simulation_.people().in_view(t, T_W_L.p, directions_, bodies_);
+    simulation_.cars().in_view(t, T_W_L.p, directions_, cars_);
     out_.rays += beams_.size();
     in_view_ = firings_++ % kFiringsPerView == 0;
     for (std::size_t k = 0; k < beams_.size(); ++k) receive(since, k, T_W_L);
@@ -57,6 +58,7 @@ class PacketSimulation {
   void receive(TimeNs since, std::size_t k, const Pose& T_W_L) {
     SurfaceHit& hit = hits_[k];
     cast_people(bodies_, T_W_L.p, directions_[k], hit);
+    cast_cars(cars_, T_W_L.p, directions_[k], hit);
     if (hit.moving) {
       ++out_.blocks.back().people_rays;
     } else if (std::isfinite(hit.range)) {
@@ -70,6 +72,7 @@ class PacketSimulation {
       const Vec3 direction = T_W_L.R * pulse.second;
       second = simulation_.caster().cast(T_W_L.p, direction, model_.max_range());
       cast_people(bodies_, T_W_L.p, direction, second);
+      cast_cars(cars_, T_W_L.p, direction, second);
     }
     const std::optional<Return> received = model_.receive(pulse, hit, second);
     if (!received) return;
@@ -93,6 +96,7 @@ class PacketSimulation {
   std::vector<Vec3> directions_;
   std::vector<SurfaceHit> hits_;
   std::vector<Body> bodies_;
+  std::vector<CarBody> cars_;
   std::size_t firings_ = 0;
   bool in_view_ = false;
   SimulatedPacket out_;

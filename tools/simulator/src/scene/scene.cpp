@@ -37,6 +37,8 @@ void describe_world(config::Binder& b, WorldParams& params) {
       return ApproachParams::describe(b, params.approach);
     case WorldKind::doorway:
       return DoorwayParams::describe(b, params.doorway);
+    case WorldKind::street:
+      return StreetParams::describe(b, params.street);
     case WorldKind::mesh:
       return MeshFileParams::describe(b, params.mesh);
   }
@@ -52,6 +54,7 @@ void WorldParams::describe(config::Binder& b, WorldParams& params) {
             {"campus", WorldKind::campus},
             {"approach", WorldKind::approach},
             {"doorway", WorldKind::doorway},
+            {"street", WorldKind::street},
             {"mesh", WorldKind::mesh}},
            "kind of world; the other keys depend on it");
   describe_world(b, params);
@@ -74,6 +77,21 @@ void StressParams::describe(config::Binder& b, StressParams& params) {
          "error of the translation in the sensor file, in a random direction");
 }
 
+namespace {
+
+/// Which motion fits which world.
+void require_places(config::Binder& b, const Scene& scene) {
+  const bool drives = scene.motion == MotionKind::drive, street = scene.world.type == WorldKind::street;
+  b.require(!drives || street || scene.world.type == WorldKind::mesh, "world",
+            "a drive needs a world of type street or mesh");
+  b.require(drives || !street, "motion", "a world of type street is driven: give motion: drive");
+  const CarsParams& cars = scene.cars;
+  b.require(street || cars.ahead + cars.behind + cars.oncoming + cars.beside == 0, "cars",
+            "cars need the lanes of a world of type street");
+}
+
+}  // namespace
+
 void Scene::describe(config::Binder& b, Scene& scene) {
   b.text("description", scene.description, "what the scene is for");
   b.choice("sensor", scene.sensor,
@@ -84,16 +102,25 @@ void Scene::describe(config::Binder& b, Scene& scene) {
             {"spin64", SensorKind::spin64}},
            "the LiDAR");
   b.group("world", scene.world, "what does not move");
-  b.groups("route", scene.route, "corners of the closed line that is walked; the first is the start");
-  b.group("walk", scene.walk, "how the route is walked");
-  b.group("follow", scene.follow, "a recorded trajectory to follow instead of a route");
-  b.group("people", scene.people, "who walks about");
+  b.choice("motion", scene.motion, {{"walk", MotionKind::walk}, {"drive", MotionKind::drive}},
+           "on foot round the route, or by car along it");
+  b.groups("route", scene.route,
+           "corners of the closed line that is walked, or of the open one that is driven; the first is the start");
+  if (scene.motion == MotionKind::drive) {
+    b.group("drive", scene.drive, "how the route is driven");
+    b.group("cars", scene.cars, "who else is on the road");
+  } else {
+    b.group("walk", scene.walk, "how the route is walked");
+    b.group("follow", scene.follow, "a recorded trajectory to follow instead of a route");
+    b.group("people", scene.people, "who walks about");
+  }
   b.group("lidar", scene.lidar, "errors of the LiDAR");
   b.group("imu", scene.imu, "errors of the IMU");
   b.group("stress", scene.stress, "what goes wrong besides");
   const bool follows = !scene.follow.file.empty();
   b.require(follows != !scene.route.empty(), "route",
             "give either route (at least 2 points) or follow.file, one of the two");
+  require_places(b, scene);
   const PeopleParams& people = scene.people;
   b.require(!follows || people.walking + people.ahead + people.crossing == 0, "people",
             "people walk along a route: a scene that follows a file has none");

@@ -44,6 +44,12 @@ World build_world(const SceneFile& scene, const Route* route, double scale) {
   }
 }
 
+std::vector<Vec2> scaled_points(const Scene& scene, double scale) {
+  std::vector<Vec2> points;
+  for (const RoutePoint& p : scene.route) points.emplace_back(scale * p.x, scale * p.y);
+  return points;
+}
+
 std::unique_ptr<Route> scaled_route(const SceneFile& scene, double scale) {
   if (scene.scene.route.empty()) {
     if (scale != 1)
@@ -51,9 +57,7 @@ std::unique_ptr<Route> scaled_route(const SceneFile& scene, double scale) {
                                     scene.path.string(), scale));
     return nullptr;
   }
-  std::vector<Vec2> points;
-  for (const RoutePoint& p : scene.scene.route) points.emplace_back(scale * p.x, scale * p.y);
-  return std::make_unique<Route>(std::move(points));
+  return std::make_unique<Route>(scaled_points(scene.scene, scale));
 }
 
 Vec3 random_direction(RandomStream& stream) {
@@ -112,7 +116,20 @@ Simulation::Simulation(const SceneFile& file, const SimulationOptions& options)
   }
 }
 
-void Simulation::build(const SceneFile& file) {
+/// Road, world, drive and the cars about it.
+void Simulation::build_drive(const SceneFile& file) {
+  road_ = std::make_unique<RoadLine>(scaled_points(scene_, options_.scale), scene_.drive.bend_radius);
+  const WorldParams& params = scene_.world;
+  World world = params.type == WorldKind::mesh ? load_mesh_world(beside(file, params.mesh.file), params.mesh)
+                                               : build_street(params.street, *road_);
+  ground_ = std::move(world.ground);
+  caster_ = std::make_unique<Caster>(std::move(world.mesh));
+  auto drive = std::make_unique<Drive>(*road_, ground_, scene_.drive, options_.seed);
+  cars_ = Cars(scene_.cars, params.street, ground_, *drive, options_.seed);
+  motion_ = std::move(drive);
+}
+
+void Simulation::build_walk(const SceneFile& file) {
   route_ = scaled_route(file, options_.scale);
   World world = build_world(file, route_.get(), options_.scale);
   ground_ = std::move(world.ground);
@@ -123,7 +140,15 @@ void Simulation::build(const SceneFile& file) {
   } else {
     motion_ = follow_file(beside(file, scene_.follow.file), scene_.follow.knot_interval, &follow_error_);
   }
-  pattern_ = make_scan_pattern(kind_);
+}
+
+void Simulation::build(const SceneFile& file) {
+  if (scene_.motion == MotionKind::drive) {
+    build_drive(file);
+  } else {
+    build_walk(file);
+  }
+  pattern_ = make_scan_pattern(kind_, scene_.lidar.columns);
   const ImuModel model = imu_model(scene_.imu);
   sensor_ = true_sensor(kind_, scene_.lidar, model);
   claimed_sensor_ = with_errors(sensor_, scene_.stress, options_.seed);

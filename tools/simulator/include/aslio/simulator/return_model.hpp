@@ -23,6 +23,7 @@ struct LidarParams {
   double outliers = 0.001;                         ///< share of returns at a random range
   double mixed = 0.1;                              ///< share of pulses whose footprint is followed to a second surface
   double grazing_begin = 70, grazing_end = 80;     ///< incidence from which returns begin to be lost, and all are [deg]
+  std::int64_t columns = kUsualColumns;            ///< firings per turn of a spinning sensor
   double weak_range = 90;  ///< a surface of reflectivity 0.1 returns up to here [m]; grows with its square root
   static void describe(config::Binder& b, LidarParams& params);
 };

@@ -32,7 +32,13 @@ class ScanPattern {
   virtual void fire(TimeNs since, std::span<Beam> out) const = 0;
 };
 
-std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind);
+inline constexpr std::int64_t kUsualColumns = 2000;
+/// Firings of a spinning sensor per turn that keep to whole nanoseconds and end with each block of 10 ms.
+bool may_be_columns(std::int64_t columns);
+
+/// `columns` is the number of firings per turn of a spinning sensor; others have none. Throws ConfigError for a number
+/// that may not be.
+std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind, std::int64_t columns = kUsualColumns);
 
 /// What belongs to a sensor besides its pattern.
 struct SensorFacts {

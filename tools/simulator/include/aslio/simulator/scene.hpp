@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "aslio/simulator/cars.hpp"
+#include "aslio/simulator/drive.hpp"
 #include "aslio/simulator/imu_params.hpp"
 #include "aslio/simulator/mesh_file.hpp"
 #include "aslio/simulator/people.hpp"
@@ -19,10 +21,12 @@
 #include "aslio/simulator/worlds/garage.hpp"
 #include "aslio/simulator/worlds/library.hpp"
 #include "aslio/simulator/worlds/office.hpp"
+#include "aslio/simulator/worlds/street.hpp"
 
 namespace aslio::simulator {
 
-enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, mesh };
+enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, street, mesh };
+enum class MotionKind : std::uint8_t { walk, drive };
 
 /// `world:` has `type` and the keys of that type.
 struct WorldParams {
@@ -33,6 +37,7 @@ struct WorldParams {
   CampusParams campus;
   ApproachParams approach;
   DoorwayParams doorway;
+  StreetParams street;
   MeshFileParams mesh;
   static void describe(config::Binder& b, WorldParams& params);
 };
@@ -54,15 +59,19 @@ struct StressParams {
   static void describe(config::Binder& b, StressParams& params);
 };
 
-/// Exactly one of `route` with `walk`, or `follow`.
+/// Exactly one of `route` with `walk` (`drive` where the motion is one), or `follow`. The keys of the other motion do
+/// not exist.
 struct Scene {
   std::string description;
   SensorKind sensor = SensorKind::avia;
   WorldParams world;
-  std::vector<RoutePoint> route;
+  MotionKind motion = MotionKind::walk;
+  std::vector<RoutePoint> route;  ///< of a walk a closed line, of a drive an open one
   WalkParams walk;
+  DriveParams drive;
   FollowParams follow;
   PeopleParams people;
+  CarsParams cars;
   LidarParams lidar;
   ImuParams imu;
   StressParams stress;

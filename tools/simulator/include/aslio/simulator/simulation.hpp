@@ -9,6 +9,7 @@
 #include "aslio/core/measurement.hpp"
 #include "aslio/core/sensor.hpp"
 #include "aslio/core/trajectory.hpp"
+#include "aslio/simulator/cars.hpp"
 #include "aslio/simulator/caster.hpp"
 #include "aslio/simulator/scene.hpp"
 
@@ -28,7 +29,7 @@ struct SimulationOptions {
 struct CellBlock {
   TimeNs begin = 0;
   std::vector<std::uint64_t> cells;
-  std::size_t people_rays = 0;  ///< rays that met a person, in no cell
+  std::size_t people_rays = 0;  ///< rays that met a person or a moving car, in no cell
 };
 
 /// What one packet period holds.
@@ -64,10 +65,13 @@ class Simulation {
   const Caster& caster() const { return *caster_; }
   const Ground& ground() const { return ground_; }
   const People& people() const { return people_; }
+  const Cars& cars() const { return cars_; }
   /// Largest distance between the motion and a pose it follows [m]; 0 for routes.
   double follow_error() const { return follow_error_; }
-  /// Only for scenes with a route.
+  /// Only for scenes with a route that is walked.
   const Route* route() const { return route_.get(); }
+  /// Only for drives.
+  const RoadLine* road() const { return road_.get(); }
   const ScanPattern& pattern() const { return *pattern_; }
   double duration() const { return motion_->duration(); }  ///< [s]
   TimeNs begin_time() const { return options_.begin; }
@@ -85,17 +89,21 @@ class Simulation {
 
  private:
   void build(const SceneFile& file);
+  void build_drive(const SceneFile& file);
+  void build_walk(const SceneFile& file);
 
   Scene scene_;
   SimulationOptions options_;
   SensorKind kind_;
   SensorModel sensor_, claimed_sensor_;
   std::unique_ptr<Route> route_;
+  std::unique_ptr<RoadLine> road_;
   std::unique_ptr<Motion> motion_;
   double follow_error_ = 0;
   std::unique_ptr<Caster> caster_;
   Ground ground_;
   People people_;
+  Cars cars_;
   std::unique_ptr<ScanPattern> pattern_;
   ImuRecord imu_;
 };
