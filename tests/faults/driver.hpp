@@ -63,12 +63,12 @@ struct How {
 struct Outcome {
   int exit_code = -1;  ///< or 256 + the signal that ended it
   std::string err;
-  nlohmann::json summary;          ///< null when there is none
-  std::vector<std::string> files;  ///< names in the output folder
-  std::string trajectory;          ///< text of trajectory.tum
-  std::vector<TimeNs> times;       ///< of updates.csv, as the next two
-  std::vector<std::string> tracking, update_status;
-  std::vector<std::size_t> segments;
+  nlohmann::json summary;                                   ///< null when there is none
+  std::vector<std::string> files;                           ///< names in the output folder
+  std::string trajectory;                                   ///< text of trajectory.tum
+  std::vector<TimeNs> times;                                ///< of updates.csv, as the next one
+  std::vector<std::string> tracking;                        ///< status after the update
+  std::map<std::string, std::vector<std::string>> updates;  ///< columns of updates.csv
 
   std::string status() const;
   std::string reason() const;
