@@ -39,7 +39,7 @@ struct BagForm {
   double time_unit = 1;     ///< the field counts in so many ns
   double gyro_factor = 1, acc_factor = 1;
   /// Alters the fields, sizes and bytes of message `index`.
-  std::function<void(io::rosbag::CloudLayout&, std::vector<std::uint8_t>&, std::size_t index)> edit;
+  std::function<void(io::rosbag::CloudLayout&, std::vector<std::uint8_t>&, std::size_t index)> edit = {};
 };
 void write_bag(const std::filesystem::path& bag, const Measurements& data, const BagForm& form = {});
 
