@@ -20,7 +20,16 @@ using namespace aslio;
 
 class FaultyWindow final : public WindowStrategy {
  public:
-  enum class Fault : std::uint8_t { crash, hang, memory, slow, throws, throws_int };
+  enum class Fault : std::uint8_t {
+    crash,
+    hang,
+    memory,
+    slow,
+    throws,
+    throws_int,
+    made_throws_int,
+    throws_where_none_may
+  };
   struct Params {
     Fault fault = Fault::crash;
   };
@@ -32,16 +41,21 @@ class FaultyWindow final : public WindowStrategy {
               {"memory", Fault::memory},
               {"slow", Fault::slow},
               {"throws", Fault::throws},
-              {"throws_int", Fault::throws_int}},
+              {"throws_int", Fault::throws_int},
+              {"made_throws_int", Fault::made_throws_int},
+              {"throws_where_none_may", Fault::throws_where_none_may}},
              "what happens at the first window, or at every one");
   }
 
-  FaultyWindow(const Params& params, const BuildContext&) : fault_(params.fault) {}
+  FaultyWindow(const Params& params, const BuildContext&) : fault_(params.fault) {
+    if (fault_ == Fault::made_throws_int) throw 5;
+  }
 
   std::optional<WindowPlan> next(const StreamView& stream, const Feedback& feedback, OverlapProbe&) override {
     if (fault_ == Fault::crash) std::abort();
     if (fault_ == Fault::throws) throw std::runtime_error("on purpose");
     if (fault_ == Fault::throws_int) throw 5;
+    if (fault_ == Fault::throws_where_none_may) throw_where_none_may();
     if (fault_ == Fault::slow) return tenth(stream, feedback.t);
     // 8 MB at a time, written to; some 40 s to the end where nobody intervenes.
     for (int i = 0; i < 4000; ++i) {
@@ -54,6 +68,10 @@ class FaultyWindow final : public WindowStrategy {
   TimeNs reach() const override { return kSecond; }
 
  private:
+  /// As the destructor of a stage would.
+  static void throw_where_none_may() noexcept { throw_number(); }
+  static void throw_number() { throw 5; }
+
   static std::optional<WindowPlan> tenth(const StreamView& stream, TimeNs begin) {
     const TimeNs end = begin + kSecond / 10;
     if (stream.points_until() < end || stream.imu_until() < end || stream.last_point() <= begin) return std::nullopt;

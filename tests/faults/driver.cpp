@@ -7,6 +7,10 @@
 #include <cstring>
 #include <sstream>
 
+#include "aslio/core/errors.hpp"
+#include "aslio/core/trajectory.hpp"
+#include "aslio/evaluation/evaluation.hpp"
+#include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
 
 namespace aslio::test::faults {
@@ -86,6 +90,17 @@ std::vector<std::string> cells(const std::string& line) {
   return out;
 }
 
+std::optional<double> ate_of(const fs::path& trajectory, const std::vector<StampedPose>& truth) {
+  if (!fs::exists(trajectory) || truth.empty()) return std::nullopt;
+  try {
+    const Trajectory reference(truth);
+    const auto options = experiment::measuring_options(reference, evaluation::Rule::interpolated);
+    return evaluation::evaluate(Trajectory(io::read_tum(trajectory)), reference, options).ate.translation.rmse;
+  } catch (const DataError&) {  // too few poses, or none of them within the truth's time
+    return std::nullopt;
+  }
+}
+
 void read_updates(const std::string& csv, Outcome& out) {
   std::istringstream stream(csv);
   std::string line;
@@ -163,11 +178,6 @@ std::uint64_t Outcome::count(const std::string& name) const {
   return summary.at("counts").at(name);
 }
 
-std::optional<double> Outcome::ate() const {
-  if (summary.is_null() || !summary.at("metrics").at("ate_m").is_number()) return std::nullopt;
-  return summary.at("metrics").at("ate_m").get<double>();
-}
-
 std::optional<TimeNs> Outcome::lost_at() const {
   if (summary.is_null() || summary.at("losses").empty()) return std::nullopt;
   return summary.at("losses").front().at("t_ns").get<TimeNs>();
@@ -193,10 +203,6 @@ Outcome run_over(const Measurements& data, const std::vector<StampedPose>& truth
       "run",      pipeline,   "--input",
       bag,        "--sensor", folder.write("sensor.yaml", sensor_text(sensor, how.sensor_lines)),
       "--output", out,        "--quiet"};
-  if (!truth.empty()) {
-    io::write_tum(folder / "truth.tum", truth);
-    arguments.insert(arguments.end(), {"--reference", folder / "truth.tum"});
-  }
   for (const std::string& assignment : how.set) arguments.insert(arguments.end(), {"--set", assignment});
   arguments.insert(arguments.end(), how.options.begin(), how.options.end());
   const Ended ended = start(arguments, out, how);
@@ -206,6 +212,7 @@ Outcome run_over(const Measurements& data, const std::vector<StampedPose>& truth
   outcome.summary = Json::parse(read_if_there(out / "summary.json"), nullptr, false);
   if (outcome.summary.is_discarded()) outcome.summary = nullptr;
   outcome.trajectory = read_if_there(out / "trajectory.tum");
+  outcome.ate = ate_of(out / "trajectory.tum", truth);
   read_updates(read_if_there(out / "updates.csv"), outcome);
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(out, none)) outcome.files.push_back(entry.path().filename());

@@ -26,7 +26,7 @@ struct Walk {
 };
 
 /// The simulated walk through a corridor and a room from which all faults are made: 12 s (the first one at rest), a
-/// LiDAR that sees all round with about 5000 points per sweep, an IMU of 200 Hz. Made once per build folder.
+/// LiDAR that sees all round with about 10 000 points per sweep, an IMU of 200 Hz. Made once per build folder.
 const Walk& clean_walk();
 
 /// How a recording becomes a bag: a PointCloud2 with x, y, z, intensity, ring and `t` (int32 ns after the stamp), and
@@ -63,9 +63,12 @@ struct How {
 struct Outcome {
   int exit_code = -1;  ///< or 256 + the signal that ended it
   std::string err;
-  nlohmann::json summary;                                   ///< null when there is none
-  std::vector<std::string> files;                           ///< names in the output folder
-  std::string trajectory;                                   ///< text of trajectory.tum
+  nlohmann::json summary;          ///< null when there is none
+  std::vector<std::string> files;  ///< names in the output folder
+  std::string trajectory;          ///< text of trajectory.tum
+  /// RMS of the position against the truth, after alignment [m]; nothing where that cannot be. The program is given no
+  /// reference: what it says of itself is its own word.
+  std::optional<double> ate;
   std::vector<TimeNs> times;                                ///< of updates.csv, as the next one
   std::vector<std::string> tracking;                        ///< status after the update
   std::map<std::string, std::vector<std::string>> updates;  ///< columns of updates.csv
@@ -74,15 +77,13 @@ struct Outcome {
   std::string reason() const;
   /// A counter of the summary; 0 when there is none of that name.
   std::uint64_t count(const std::string& name) const;
-  /// RMS of the position [m]; nothing without one.
-  std::optional<double> ate() const;
   /// Of the first loss.
   std::optional<TimeNs> lost_at() const;
   /// The first update after `t` at which tracking is `status`.
   std::optional<TimeNs> first(const std::string& status, TimeNs t) const;
 };
 
-/// `truth` empty: no reference is given.
+/// `truth` is for Outcome::ate alone.
 Outcome run_over(const Measurements& data, const std::vector<StampedPose>& truth, const SensorModel& sensor,
                  const How& how = {});
 /// The clean walk with a fault, against its own truth.
