@@ -89,7 +89,7 @@ std::vector<Row> calibration_rows() {
   rows.push_back({.number = 50,
                   .name = "unknown_yaml_key",
                   .injected = "`seg_stp` in place of `seg_step`",
-                  .expected = {.exit = {2}, .says = {"unknown key 'seg_stp'", "did you mean 'seg_step'"}},
+                  .expected = {.exit = {2}, .says = {"unknown key 'window.seg_stp'", "did you mean 'seg_step'"}},
                   .run = [] { return run_changed("seg_step: 0.005", "seg_stp: 0.005"); }});
   rows.push_back({.number = 51,
                   .name = "nan_in_yaml",

@@ -32,7 +32,8 @@ Walk in_world(const std::vector<Plane>& planes, double farthest) {
       const auto T_W_I = truth.pose(p.t);
       if (!T_W_I) return true;
       const Pose T_W_L = *T_W_I * walk.sensor.T_imu_lidar;
-      const Vec3 ray_L = Vec3(p.x, p.y, p.z).normalized(), ray = T_W_L.R * ray_L;
+      // The sensor looks up, and what is there is below: as one that is mounted the other way round.
+      const Vec3 ray_L = Vec3(p.x, p.y, -p.z).normalized(), ray = T_W_L.R * ray_L;
       double range = farthest;
       for (const Plane& plane : planes) {
         const double along = plane.n.dot(ray), away = (plane.d - plane.n.dot(T_W_L.p)) / along;
@@ -81,9 +82,8 @@ void check_says_degenerate(const Outcome& o) {
   CHECK_THAT(o.summary.at("weak_updates").get<std::string>(), Catch::Matchers::Contains("degenerate"));
 }
 
-/// Height above the floor of the simulated walk's IMU, and half of the width of what takes the place of its corridor
-/// [m].
-constexpr double kFloor = -1.3, kWall = 2.0;
+/// Of the simulated world, in whose frame the truth is: floor and ceiling, and walls on both sides of the way [m].
+constexpr double kFloor = 0, kCeiling = 2.8, kRight = -1.5, kLeft = 6.6;
 
 std::vector<Row> degenerate() {
   std::vector<Row> rows;
@@ -102,7 +102,8 @@ std::vector<Row> degenerate() {
        .name = "corridor",
        .injected = "nothing but floor, ceiling and two long walls is there",
        .expected = {.status = {"degraded", "diverged", "failed"}, .exit = {0, 1}},
-       .run = seeing({{Vec3::UnitZ(), kFloor}, {Vec3::UnitZ(), 1.5}, {Vec3::UnitY(), 8}, {Vec3::UnitY(), -kWall}}, 30),
+       .run = seeing(
+           {{Vec3::UnitZ(), kFloor}, {Vec3::UnitZ(), kCeiling}, {Vec3::UnitY(), kLeft}, {Vec3::UnitY(), kRight}}, 30),
        .also = "updates are `degenerate`; height and place across are right to 0.1 m",
        .check = [](const Outcome& o) {
          check_says_degenerate(o);

@@ -162,6 +162,7 @@ class Loop {
 
   const SummaryCollector& collector() const { return collector_; }
   bool bad_data() const { return bad_data_; }
+  bool stage_failed() const { return stage_failed_; }
   /// Before the data were, by a DivergenceWatch.
   bool was_ended() const { return was_ended_; }
 
@@ -175,6 +176,7 @@ class Loop {
       bad_data_ = true;
     } catch (...) {
       if (!outcome.failure) outcome.failure = fmt::format("a stage failed: {}", what_was_thrown());
+      stage_failed_ = true;
     }
   }
 
@@ -208,16 +210,16 @@ class Loop {
   SummaryCollector collector_;
   ProgressFeed feed_;
   std::optional<DivergenceWatch> watch_;
-  bool bad_data_ = false, was_ended_ = false;
+  bool bad_data_ = false, stage_failed_ = false, was_ended_ = false;
 };
 
 /// Whether the data, not the method, is to blame.
-bool blames_data(const Summary& summary, bool loop_saw_bad_data) {
+bool blames_data(const Summary& summary, const Loop& loop) {
   switch (summary.status) {
     case pipeline::RunStatus::truncated:
       return true;
     case pipeline::RunStatus::failed:
-      return loop_saw_bad_data || summary.updates == 0;
+      return loop.bad_data() || (summary.updates == 0 && !loop.stage_failed());
     default:
       return false;
   }
@@ -332,7 +334,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     const auto data_end = whole ? last_arrived(odometry.stream()) : source->end_time();
     mark_failure(summary, loop.collector(), *prepared.reference, data_end, loop.was_ended());
   }
-  result.bad_data = blames_data(summary, loop.bad_data());
+  result.bad_data = blames_data(summary, loop);
   result.late_warnings = late_warnings(*source, told);
 
   write_texts(options.output, prepared.pipeline.resolved, to_json(manifest, options), summary);
