@@ -38,3 +38,7 @@ TEST_CASE("the table of faults has each of 1 to 72 once, and docs/faults.md is m
   for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i].number == static_cast<int>(i) + 1);
   CHECK(content(ASLIO_SOURCE_DIR "/docs/faults.md") == to_markdown(rows));
 }
+
+TEST_CASE("docs/faults.md is written anew", "[.write]") {
+  write_text(ASLIO_SOURCE_DIR "/docs/faults.md", to_markdown(all_rows()));
+}
