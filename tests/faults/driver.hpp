@@ -26,7 +26,7 @@ struct Walk {
 };
 
 /// The simulated walk through a corridor and a room from which all faults are made: 12 s (the first one at rest), a
-/// LiDAR that sees all round with about 10 000 points per sweep, an IMU of 200 Hz. Made once per build folder.
+/// LiDAR that sees all round with about 5000 points per sweep, an IMU of 200 Hz. Made once per build folder.
 const Walk& clean_walk();
 
 /// How a recording becomes a bag: a PointCloud2 with x, y, z, intensity, ring and `t` (int32 ns after the stamp), and
