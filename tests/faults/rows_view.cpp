@@ -93,10 +93,12 @@ std::vector<Row> degenerate() {
                   .expected = {.status = {"degraded", "diverged", "failed"}, .exit = {0, 1}},
                   .run = seeing({{Vec3::UnitZ(), kFloor}}, 30),
                   .also = "updates are `degenerate`; height is right to 0.2 m",
-                  .check = [](const Outcome& o) {
-                    check_says_degenerate(o);
-                    CHECK(error_along(o, Vec3::UnitZ()) < 0.2);
-                  }});
+                  .check =
+                      [](const Outcome& o) {
+                        check_says_degenerate(o);
+                        CHECK(error_along(o, Vec3::UnitZ()) < 0.2);
+                      },
+                  .pending = "monitor"});
   rows.push_back(
       {.number = 42,
        .name = "corridor",
@@ -116,10 +118,12 @@ std::vector<Row> degenerate() {
                   .expected = {.status = {"degraded", "diverged", "failed"}, .exit = {0, 1}},
                   .run = seeing({{Vec3::UnitZ(), kFloor}}, 8),
                   .also = "updates are `degenerate`; height is right to 0.2 m",
-                  .check = [](const Outcome& o) {
-                    check_says_degenerate(o);
-                    CHECK(error_along(o, Vec3::UnitZ()) < 0.2);
-                  }});
+                  .check =
+                      [](const Outcome& o) {
+                        check_says_degenerate(o);
+                        CHECK(error_along(o, Vec3::UnitZ()) < 0.2);
+                      },
+                  .pending = "monitor"});
   return rows;
 }
 
