@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/input_file.hpp"
 #include "aslio/core/spread.hpp"
 
 namespace aslio::plugins {
@@ -107,12 +108,14 @@ std::uint64_t draw(std::uint64_t& state) {
 }  // namespace
 
 ReplaySchedule ReplaySchedule::read(const std::filesystem::path& path) {
+  const auto refuse = [&path](const std::string& why) {
+    throw ConfigError(fmt::format("{}: cannot open the schedule: {}; name the updates.csv of a run, for example",
+                                  path.string(), why));
+  };
+  if (const std::string why = why_no_input(path); !why.empty()) refuse("it " + why);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path)) {
-    throw ConfigError(fmt::format("{}: cannot open the schedule: {}; name the updates.csv of a run, for example",
-                                  path.string(), file ? "it is a directory" : std::strerror(errno)));
-  }
+  if (!file) refuse(std::strerror(errno));
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (file.bad()) throw DataError(fmt::format("{}: cannot read the schedule", path.string()));
   return parse(text, path.string());

@@ -1,5 +1,8 @@
 /// Every bad input: the exit code, what the message says, and what is left behind.
 
+#include <signal.h>
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -173,4 +176,71 @@ TEST_CASE("a run that loses its way says diverged, when and why") {
   CHECK(out.at("moment_ns").get<long>() > 1'000'000'000'000'000'000);
   CHECK(out.at("coverage").get<double>() < 0.95);
   CHECK(line_count(bench / "out/trajectory.tum") == line_count(bench / "out/updates.csv") - 1);
+}
+
+TEST_CASE("pipes, devices and folders in the place of files are refused by name, before they are read") {
+  const Bench bench;
+  const std::string pipe = bench / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  std::filesystem::create_directory(bench / "folder");
+  const auto refused = [&](std::size_t at, const std::string& given, int code) {
+    auto arguments = bench.arguments("out", {"--reference", bench / "truth.tum"});
+    write_truth(bench / "truth.tum");
+    arguments.at(at) = given;
+    CAPTURE(arguments.at(at - 1), given);
+    // Nobody writes into the pipe: a program that opens it waits for ever.
+    const Ended ended = run_aslio(arguments, [waited = 0](pid_t child, const std::string&) mutable {
+      if (++waited < 4000) return false;
+      ::kill(child, SIGKILL);
+      return true;
+    });
+    CHECK(ended.code == code);
+    CHECK_THAT(ended.err, Contains(given));
+  };
+  constexpr std::size_t kPipeline = 1, kInput = 3, kSensor = 5, kReference = 9;
+  for (const std::string& given : {pipe, std::string("/dev/zero")}) {
+    refused(kPipeline, given, 2);
+    refused(kSensor, given, 2);
+    refused(kInput, given, 3);
+    refused(kReference, given, 3);
+  }
+  refused(kReference, (bench / "folder").string(), 2);
+  const std::string schedule = "window={type: replay, file: '" + pipe + "'}";
+  const Ended replay =
+      run_aslio(bench.arguments("out", {"--set", schedule}), [waited = 0](pid_t child, const std::string&) mutable {
+        if (++waited < 4000) return false;
+        ::kill(child, SIGKILL);
+        return true;
+      });
+  CHECK(replay.code == 2);
+  CHECK_THAT(replay.err, Contains(pipe) && Contains("pipe or device"));
+}
+
+TEST_CASE("a trajectory of more than a gigabyte is refused before it is read") {
+  const Bench bench;
+  write_text(bench / "long.tum", "# poses\n");
+  std::filesystem::resize_file(bench / "long.tum", std::uintmax_t{5} << 30U);  // nothing but a hole
+  const Ended ended = bench.run("out", {"--reference", bench / "long.tum"});
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err, Contains("long.tum") && Contains("is it the right file?"));
+}
+
+TEST_CASE("whatever a stage of others throws ends the run with a message and exit code 1") {
+  const Bench bench;
+  const auto run = [&](const std::string& fault) {
+    return bench.run("out", {"--plugin", ASLIO_FAULTY_PLUGIN, "--set", "window={type: faulty, fault: " + fault + "}"});
+  };
+  const Ended number = run("throws_int");
+  CHECK(number.code == 1);
+  CHECK_THAT(number.err, Contains("a stage failed") && Contains("of type 'int'"));
+  CHECK(summary(bench / "out").at("status") == "failed");
+  const Ended exception = run("throws");
+  CHECK(exception.code == 1);
+  CHECK_THAT(exception.err, Contains("a stage failed: on purpose"));
+  const Ended made = run("made_throws_int");
+  CHECK(made.code == 2);
+  CHECK_THAT(made.err, Contains("window") && Contains("'faulty' cannot be made") && Contains("of type 'int'"));
+  const Ended nowhere = run("throws_where_none_may");
+  CHECK(nowhere.code == 1);
+  CHECK_THAT(nowhere.err, Contains("unexpected, where nothing can catch it") && Contains("of type 'int'"));
 }

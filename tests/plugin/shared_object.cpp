@@ -14,6 +14,7 @@
 
 using namespace aslio;
 using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
 using Catch::Matchers::StartsWith;
 namespace fs = std::filesystem;
 
@@ -146,6 +147,24 @@ TEST_CASE("Files that are no plugin name the reason") {
   CHECK_THAT(error_of(text), StartsWith(because(text, "cannot be loaded: ")) && Contains("invalid ELF header"));
   CHECK(error_of(kObjects / "no_entry.so") ==
         because(kObjects / "no_entry.so", "has no entry 'aslio_plugin': add ASLIO_PLUGIN(register_function)"));
+}
+
+TEST_CASE("A plugin that was cut short anywhere is refused before it is loaded") {
+  const Folder folder("cut");
+  const fs::path file = folder.path / "cut.so";
+  const auto size = fs::file_size(example());
+  // The loader maps what the headers name, and touching what is not there is SIGBUS.
+  for (const std::uintmax_t left :
+       {size - 1, size * 9 / 10, size / 2, size / 4, std::uintmax_t{5000}, std::uintmax_t{64}}) {
+    CAPTURE(left);
+    fs::copy_file(example(), file, fs::copy_options::overwrite_existing);
+    fs::resize_file(file, left);
+    CHECK_THAT(error_of(file), StartsWith(because(file, "is damaged: its ")) && EndsWith("build or copy it again"));
+  }
+  fs::resize_file(file, 63);
+  CHECK_THAT(error_of(file), StartsWith(because(file, "cannot be loaded: ")));
+  fs::copy_file(example(), file, fs::copy_options::overwrite_existing);
+  CHECK(error_of(file) == "loaded");
 }
 
 TEST_CASE("What anybody could have written is not loaded") {

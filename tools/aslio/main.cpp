@@ -9,10 +9,13 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
+#include <exception>
 #include <sstream>
 #include <vector>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/thrown.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "options.hpp"
@@ -57,6 +60,20 @@ void keep_standard_streams_apart() {
     const int opened = ::open("/dev/null", stream == 1 ? O_RDONLY : O_RDWR);
     if (opened >= 0 && opened != stream) ::close(opened);
   }
+}
+
+/// Of an exception that nobody can catch: of a thread or a destructor of a plugin.
+[[noreturn]] void end_by_exception() {
+  std::string what = "std::terminate() was called";
+  if (std::current_exception()) {
+    try {
+      throw;
+    } catch (...) {
+      what = aslio::what_was_thrown();
+    }
+  }
+  complain(fmt::format("unexpected, where nothing can catch it: {}", what));
+  std::_Exit(kRunFailed);
 }
 
 int act(const std::vector<Command>& commands) {
@@ -132,6 +149,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that reaches a size limit is a failed write, which is reported
   std::signal(SIGPIPE, SIG_IGN);
   keep_freed_memory();
+  std::set_terminate(&end_by_exception);
   try {
     return run_command_line(argc, argv);
   } catch (const aslio::ConfigError& error) {
@@ -140,8 +158,8 @@ int main(int argc, char** argv) {
   } catch (const aslio::DataError& error) {
     complain(error.what());
     return kBadData;
-  } catch (const std::exception& error) {
-    complain(fmt::format("unexpected: {}", error.what()));
+  } catch (...) {
+    complain(fmt::format("unexpected: {}", aslio::what_was_thrown()));
     return kRunFailed;
   }
 }

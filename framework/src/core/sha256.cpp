@@ -9,8 +9,13 @@
 #include <vector>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/input_file.hpp"
 
 namespace aslio {
+
+namespace {
+constexpr std::uint64_t kLargestDigested = std::uint64_t{1} << 42U;
+}
 
 struct Sha256::Context {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> evp{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
@@ -47,6 +52,7 @@ std::string sha256_of(std::string_view bytes) {
 }
 
 std::string sha256_of_file(const std::filesystem::path& path) {
+  require_input(path, kLargestDigested);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::vector<char> block(1U << 16U);

@@ -10,6 +10,7 @@
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/thrown.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/odometry.hpp"
@@ -163,8 +164,8 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   } catch (const DataError& error) {
     failure = error.what();
     bad_data = true;
-  } catch (const std::exception& error) {
-    failure = fmt::format("the overlap failed: {}", error.what());
+  } catch (...) {
+    failure = fmt::format("the overlap failed: {}", what_was_thrown());
   }
   source->conclude();
   feed.show();

@@ -6,13 +6,13 @@
 #include <optional>
 #include <sstream>
 
+#include "aslio/core/input_file.hpp"
+
 namespace aslio::experiment {
 
 /// Nothing when the file is not there, cannot be read, or is no JSON object.
 inline std::optional<nlohmann::ordered_json> read_json(const std::filesystem::path& path) {
-  std::error_code ignored;
-  // Reading a folder fails, a pipe waits for its writer.
-  if (!std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
+  if (!why_no_input(path).empty()) return std::nullopt;
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
   // Read first: parse() lets through what the stream throws when the disk fails.

@@ -15,6 +15,7 @@
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/thrown.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/stage_set.hpp"
@@ -80,7 +81,7 @@ Manifest identify(const RunOptions& options, const Prepared& prepared) {
   manifest.sensor_resolved = prepared.sensor.resolved;
   manifest.stages = prepared.pipeline.plugin_types;
   const auto start = Clock::now();
-  manifest.input_sha256 = io::input_digest(options.input);
+  if (!options.open_input) manifest.input_sha256 = io::input_digest(options.input);
   manifest.input_hash_s = seconds_since(start);
   return manifest;
 }
@@ -89,7 +90,8 @@ Manifest identify(const RunOptions& options, const Prepared& prepared) {
 std::unique_ptr<io::MeasurementSource> open_source(const RunOptions& options, const Prepared& prepared,
                                                    Manifest& manifest) {
   try {
-    auto source = io::open_source(options.input, prepared.sensor.value, options.section);
+    auto source = options.open_input ? options.open_input(prepared.sensor.value)
+                                     : io::open_source(options.input, prepared.sensor.value, options.section);
     manifest = identify(options, prepared);
     return source;
   } catch (const std::exception& error) {
@@ -120,10 +122,16 @@ std::string what_followed(const std::vector<pipeline::Divergence>& losses) {
 /// Pumps the source into the odometry until one of them, or the monitor, ends it.
 class Loop {
  public:
-  /// `watched`: the reference by which a run ends that has diverged from it, or nullptr.
+  /// `watched`: the reference by which a run ends that has diverged from it, or nullptr. `keeps_poses`: of the whole
+  /// run.
   Loop(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor,
-       const Trajectory* watched)
-      : source_(source), odometry_(odometry), outputs_(outputs), monitor_(monitor), feed_(monitor, source) {
+       const Trajectory* watched, bool keeps_poses)
+      : source_(source),
+        odometry_(odometry),
+        outputs_(outputs),
+        monitor_(monitor),
+        collector_(keeps_poses),
+        feed_(monitor, source) {
     if (watched != nullptr) watch_.emplace(*watched);
     odometry_.add_observer(outputs_);
     odometry_.add_observer(collector_);
@@ -154,6 +162,7 @@ class Loop {
 
   const SummaryCollector& collector() const { return collector_; }
   bool bad_data() const { return bad_data_; }
+  bool stage_failed() const { return stage_failed_; }
   /// Before the data were, by a DivergenceWatch.
   bool was_ended() const { return was_ended_; }
 
@@ -165,8 +174,9 @@ class Loop {
     } catch (const DataError& error) {
       if (!outcome.failure) outcome.failure = error.what();
       bad_data_ = true;
-    } catch (const std::exception& error) {
-      if (!outcome.failure) outcome.failure = fmt::format("a stage failed: {}", error.what());
+    } catch (...) {
+      if (!outcome.failure) outcome.failure = fmt::format("a stage failed: {}", what_was_thrown());
+      stage_failed_ = true;
     }
   }
 
@@ -200,16 +210,16 @@ class Loop {
   SummaryCollector collector_;
   ProgressFeed feed_;
   std::optional<DivergenceWatch> watch_;
-  bool bad_data_ = false, was_ended_ = false;
+  bool bad_data_ = false, stage_failed_ = false, was_ended_ = false;
 };
 
 /// Whether the data, not the method, is to blame.
-bool blames_data(const Summary& summary, bool loop_saw_bad_data) {
+bool blames_data(const Summary& summary, const Loop& loop) {
   switch (summary.status) {
     case pipeline::RunStatus::truncated:
       return true;
     case pipeline::RunStatus::failed:
-      return loop_saw_bad_data || summary.updates == 0;
+      return loop.bad_data() || (summary.updates == 0 && !loop.stage_failed());
     default:
       return false;
   }
@@ -302,7 +312,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const auto start = Clock::now();
   const double cpu_start = process_cpu_seconds();
   const Trajectory* watched = options.stop_when_diverged && prepared.reference ? &*prepared.reference : nullptr;
-  Loop loop(*source, odometry, *outputs, monitor, watched);
+  Loop loop(*source, odometry, *outputs, monitor, watched, prepared.reference.has_value());
   RunOutcome outcome = loop.run();
   const bool whole = !outcome.interrupted && !outcome.failure && !outcome.divergence;
   loop.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time(),
@@ -324,7 +334,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
     const auto data_end = whole ? last_arrived(odometry.stream()) : source->end_time();
     mark_failure(summary, loop.collector(), *prepared.reference, data_end, loop.was_ended());
   }
-  result.bad_data = blames_data(summary, loop.bad_data());
+  result.bad_data = blames_data(summary, loop);
   result.late_warnings = late_warnings(*source, told);
 
   write_texts(options.output, prepared.pipeline.resolved, to_json(manifest, options), summary);

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/input_file.hpp"
 
 namespace aslio::experiment {
 
@@ -39,6 +40,7 @@ std::size_t CsvTable::column(const std::string& name) const {
 }
 
 CsvTable read_csv(const std::filesystem::path& path) {
+  require_input(path);
   std::ifstream stream(path);
   if (!stream) throw DataError(fmt::format("{}: cannot be opened", path.string()));
   CsvTable table;

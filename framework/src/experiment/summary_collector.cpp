@@ -1,22 +1,40 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "aslio/experiment/measure.hpp"
 #include "aslio/experiment/summary.hpp"
 
 namespace aslio::experiment {
 
-namespace {
-
-std::optional<RateRange> rates(std::vector<TimeNs> steps) {
-  if (steps.empty()) return std::nullopt;
-  std::sort(steps.begin(), steps.end());
-  const std::size_t n = steps.size();
-  const double median = 0.5 * (to_seconds(steps[(n - 1) / 2]) + to_seconds(steps[n / 2]));
-  return RateRange{1.0 / to_seconds(steps.back()), 1.0 / median, 1.0 / to_seconds(steps.front())};
+void StepCounts::add(TimeNs step) {
+  shortest_ = std::min(shortest_, step);
+  longest_ = std::max(longest_, step);
+  ++counts_[(step + resolution_ / 2) / resolution_ * resolution_];
+  while (counts_.size() > kMostLengths) coarsen();
 }
 
-}  // namespace
+void StepCounts::coarsen() {
+  resolution_ = resolution_ == 1 ? 1000 : resolution_ * 10;
+  std::map<TimeNs, std::uint64_t> coarser;
+  for (const auto& [step, count] : counts_) coarser[(step + resolution_ / 2) / resolution_ * resolution_] += count;
+  counts_ = std::move(coarser);
+}
+
+std::optional<RateRange> StepCounts::rates() const {
+  if (counts_.empty()) return std::nullopt;
+  std::uint64_t total = 0;
+  for (const auto& [step, count] : counts_) total += count;
+  const auto at = [this](std::uint64_t rank) {
+    for (const auto& [step, count] : counts_) {
+      if (rank < count) return std::clamp(step, shortest_, longest_);
+      rank -= count;
+    }
+    return longest_;
+  };
+  const double median = 0.5 * (to_seconds(at((total - 1) / 2)) + to_seconds(at(total / 2)));
+  return RateRange{1.0 / to_seconds(longest_), 1.0 / median, 1.0 / to_seconds(shortest_)};
+}
 
 void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
   ++updates_;
@@ -25,11 +43,15 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
   if (!first_begin_) {
     first_begin_ = plan.fresh_begin;
   } else if (!plan.partial) {
-    steps_.push_back(plan.end - plan.fresh_begin);
+    steps_.add(plan.end - plan.fresh_begin);
   }
   if (!first_end_) first_end_ = plan.end;
   if (record.state.R.allFinite() && record.state.p.allFinite()) {
-    poses_.push_back({plan.end, record.state.pose()});
+    const Vec3& p = record.state.p;
+    if (last_position_) path_length_ += (p - *last_position_).norm();
+    if (!first_position_) first_position_ = p;
+    last_position_ = p;
+    if (keeps_poses_) poses_.push_back({plan.end, record.state.pose()});
   } else if (!not_finite_) {
     not_finite_ = plan.end;
   }
@@ -77,12 +99,10 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
   summary.accepted = accepted_;
   summary.matchable_points = matchable_points_;
   summary.refused_after_accepted = refused_after_accepted_;
-  summary.rate_hz = rates(steps_);
+  summary.rate_hz = steps_.rates();
   summary.calibration = calibration_;
-  for (std::size_t i = 1; i < poses_.size(); ++i) {
-    summary.path_length_m += (poses_[i].T.p - poses_[i - 1].T.p).norm();
-  }
-  if (!poses_.empty()) summary.end_to_end_m = (poses_.back().T.p - poses_.front().T.p).norm();
+  summary.path_length_m = path_length_;
+  if (last_position_) summary.end_to_end_m = (*last_position_ - *first_position_).norm();
   // By how much the IMU outlasts the points; of a stream that was not read to its end it says nothing.
   const bool told = stream.finished() && stream.first_point() && stream.first_imu();
   const TimeNs outlasted = told ? stream.last_imu() - stream.last_point() : 0;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/input_file.hpp"
 #include "pcl_cloud.hpp"
 
 namespace aslio::io {
@@ -22,8 +23,11 @@ std::uint64_t number_after(const std::string& header, const std::string& keyword
   return value;
 }
 
+constexpr std::uint64_t kLargestCloud = std::uint64_t{1} << 36U;
+
 /// PCL 1.13 crashes on headers without a DATA line, and allocates what a header claims: both are checked before.
 void check_header(const std::filesystem::path& path, bool ply) {
+  require_input(path, kLargestCloud);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw DataError(fmt::format("{}: cannot open", path.string()));
   std::string header(64 * 1024, '\0');

@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/input_file.hpp"
 #include "decode/decode.hpp"
 
 namespace aslio::io {
@@ -23,6 +24,7 @@ constexpr std::uintmax_t kLargestScan = 256U << 20U;
 constexpr std::size_t kMostFrames = 1'000'000;
 
 std::ifstream open(const fs::path& path) {
+  if (!fs::is_directory(path)) require_input(path);  // reading a folder says so
   std::ifstream file(path, std::ios::binary);
   if (!file) throw DataError(fmt::format("{}: cannot open; the folder is no complete KITTI raw drive", path.string()));
   return file;

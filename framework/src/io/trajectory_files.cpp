@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/input_file.hpp"
 #include "aslio/io/writers.hpp"
 
 namespace aslio::io {
@@ -132,6 +133,7 @@ void write_kitti(const std::filesystem::path& path, std::span<const StampedPose>
 }
 
 std::vector<StampedPose> read_tum(const std::filesystem::path& path) {
+  require_input(path);
   std::ifstream file(path);
   if (!file) throw DataError(fmt::format("{}: cannot open the trajectory", path.string()));
   std::vector<StampedPose> poses;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "aslio/core/thrown.hpp"
+
 namespace aslio::pipeline {
 
 namespace {
@@ -16,6 +18,8 @@ std::unique_ptr<S> build(const std::string& key, const config::Nested<S>& slot, 
     throw StageError(key, fmt::format("{}: {}", key, error.what()));
   } catch (const DataError& error) {
     throw StageDataError(key, fmt::format("{}: {}", key, error.what()));
+  } catch (...) {  // of a plugin: anything
+    throw StageError(key, fmt::format("{}: stage '{}' cannot be made: {}", key, slot.type(), what_was_thrown()));
   }
 }
 

@@ -13,6 +13,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/plugin/abi.hpp"
+#include "elf_extent.hpp"
 
 namespace aslio::plugin {
 namespace {
@@ -138,6 +139,10 @@ SharedObject load_shared_object(Catalog& catalog, const fs::path& file) {
     object.sha256 = sha256_of_file(object.path);
   } catch (const DataError& error) {
     fail(file, error.what());
+  }
+  // The loader maps what the headers name; where that lies beyond the end of the file, touching it ends the process.
+  if (const std::string why = why_cut_short(object.path); !why.empty()) {
+    fail(file, fmt::format("is damaged: {}; build or copy it again", why));
   }
   const AslioPlugin& entry = open(object.path, file);
   // Not by loading an open descriptor: the name it would load under breaks $ORIGIN in the plugin's search path.

@@ -1,6 +1,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "aslio/core/input_file.hpp"
 #include "aslio/report/study_folder.hpp"
 
 namespace aslio::report {
@@ -49,8 +50,7 @@ std::vector<std::vector<std::string>> parse_csv(std::string_view text) {
 }
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
+  if (!why_no_input(path).empty()) return std::nullopt;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return std::nullopt;
   std::ostringstream text;

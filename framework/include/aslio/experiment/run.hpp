@@ -4,6 +4,7 @@
 #include <spdlog/logger.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,9 @@ struct RunOptions {
   std::uint64_t order_seed = 0;                    ///< BuildContext::order_seed
   std::vector<PluginFile> plugins;
   std::vector<std::string> command_line;  ///< for the manifest
+  /// Opens the input in place of io::open_source(), for data that are in no file (tools/soak); `input` is then a name,
+  /// and has no digest.
+  std::function<std::unique_ptr<io::MeasurementSource>(const io::SensorConfig&)> open_input = {};
 };
 
 /// Where a run stands.

@@ -2,6 +2,7 @@
 /// What a run amounts to: the content of summary.json, and the one place where the status of a run is decided.
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -71,9 +72,30 @@ std::string weak_updates(const Summary& summary);
 /// Does this status mean that the update bound the state poorly or not at all?
 bool is_weak(UpdateStatus status);
 
+/// Steps of a run, of whatever length it is, in bounded memory: by their length, exact while there are few lengths, and
+/// to a microsecond, ten, .. where there are many.
+class StepCounts {
+ public:
+  /// `step`: positive [ns].
+  void add(TimeNs step);
+  /// Of all steps: the minimum and the maximum exact. Nothing without any.
+  std::optional<RateRange> rates() const;
+
+ private:
+  void coarsen();
+
+  static constexpr std::size_t kMostLengths = 4096;
+  std::map<TimeNs, std::uint64_t> counts_;  ///< by the length, a multiple of resolution_
+  TimeNs resolution_ = 1;
+  TimeNs shortest_ = kTimeMax, longest_ = 0;
+};
+
 /// Follows a run and gathers what its summary needs.
 class SummaryCollector final : public pipeline::UpdateObserver {
  public:
+  /// `keeps_poses`: false leaves poses() empty, and then the memory does not grow with the run.
+  explicit SummaryCollector(bool keeps_poses = true) : keeps_poses_(keeps_poses) {}
+
   void on_update(const pipeline::UpdateRecord& record) override;
   /// Fills everything that follows from updates and stream. `data_end` is where the data would have ended, for a run
   /// that stopped early. A sensor that falls silent before the other one ends has a gap there; where the points end
@@ -85,12 +107,15 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   /// than kMostSilence. `end`: of what it should have covered.
   std::optional<TimeNs> lost_at(TimeNs end) const;
 
-  /// T_W_I at the end of every update with a finite state.
+  /// T_W_I at the end of every update with a finite state, if it keeps them.
   const std::vector<StampedPose>& poses() const { return poses_; }
 
  private:
+  bool keeps_poses_;
   std::vector<StampedPose> poses_;
-  std::vector<TimeNs> steps_;  ///< between the ends of consecutive whole windows
+  std::optional<Vec3> first_position_, last_position_;
+  double path_length_ = 0;  ///< [m]
+  StepCounts steps_;        ///< between the ends of consecutive whole windows
   std::array<std::uint64_t, 6> by_status_{}, refused_{};
   std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0;
   TimeNs covered_ = 0;
