@@ -11,8 +11,8 @@ ASLIO_FUZZ_TARGET(imu) {
   (void)io::decode::decode_imu(bytes.subspan(1), sample);
   (void)io::decode::header_stamp(bytes.subspan(1));
   io::SensorConfig sensor;
-  sensor.acc_unit = static_cast<AccUnit>(bytes[0] % 3);
-  sensor.gyro_unit = static_cast<GyroUnit>(bytes[0] / 3 % 3);
+  sensor.acc_unit = static_cast<io::AccUnit>(bytes[0] % 3);
+  sensor.gyro_unit = static_cast<io::GyroUnit>(bytes[0] / 3 % 3);
   std::vector<ImuSample> samples;
   io::decode::GyroRange range;
   constexpr std::size_t kBytes = 6 * sizeof(double);
