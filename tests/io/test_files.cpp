@@ -5,10 +5,12 @@
 #include <cerrno>
 #include <chrono>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/cloud_file.hpp"
+#include "aslio/io/json.hpp"
 #include "aslio/io/writers.hpp"
 #include "io/bag_fixture.hpp"
 
@@ -212,6 +214,15 @@ TEST_CASE("errors in a TUM file name the line") {
   CHECK(contains(error("1 1 2 x 0 0 0 1"), "t.tum:4: not a finite number: 'x'"));
   CHECK(contains(error("1 1 2 3 0 0 0 0"), "norm 0"));
   CHECK(contains(data_error([&] { read_tum(folder / "absent"); }), "absent"));
+}
+
+TEST_CASE("what is nested too deep to be walked is no JSON") {
+  const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  CHECK(parse_json(nested(60)).has_value());
+  CHECK_FALSE(parse_json(nested(70)).has_value());
+  CHECK_FALSE(parse_json(nested(1'000'000)).has_value());
+  CHECK_FALSE(parse_json("{").has_value());
+  CHECK(parse_json(R"({"a": [1, {"b": null}]})")->dump() == R"({"a":[1,{"b":null}]})");
 }
 
 TEST_CASE("maps are written and read back") {

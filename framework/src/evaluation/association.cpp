@@ -84,8 +84,8 @@ std::size_t nearest(std::span<const StampedPose> samples, TimeNs t) {
   return index;
 }
 
-/// Steps of the grid from `t`, where the trajectory has no pose, that may be left out: those before its next sample. Years
-/// may lie between two samples. Pre: `t` is not behind the end.
+/// Steps of the grid from `t`, where the trajectory has no pose, that may be left out: those before its next sample.
+/// Years may lie between two samples. Pre: `t` is not behind the end.
 TimeNs steps_without_pose(const Trajectory& trajectory, TimeNs t, TimeNs period) {
   const auto samples = trajectory.samples();
   const auto next = std::lower_bound(samples.begin(), samples.end(), t,
