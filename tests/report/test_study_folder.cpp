@@ -330,7 +330,7 @@ TEST_CASE("where the truth tells nothing, no error is drawn") {
   CHECK_FALSE(all["path"].contains("known"));
   DataTruth half = whole;
   const auto samples = whole.truth->samples();
-  half.truth = Trajectory({samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2), samples.end()});
+  half.truth = aslio::Trajectory({samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2), samples.end()});
   const auto partly = series_json(study.runs[1], half);
   CHECK(partly["aligned"] == true);
   CHECK(partly["path"].contains("known"));
