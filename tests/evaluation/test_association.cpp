@@ -77,6 +77,17 @@ TEST_CASE("the grid lies on multiples of the period, whatever the estimate's sta
   CHECK(associate_on_grid(estimate, sampled(2 * kSecond, 3 * kSecond, 5 * kMs), 100 * kMs, 100 * kMs, kSecond).empty());
 }
 
+TEST_CASE("the grid passes over years without a pose, and none of its moments is lost behind them") {
+  constexpr TimeNs kYears = 4'000'000'000 * kSecond;
+  const Trajectory sparse = at_times({0, 150 * kMs, kYears, kYears + 130 * kMs, kYears + 250 * kMs});
+  const std::vector<TimeNs> expected = {0, 100 * kMs, kYears, kYears + 100 * kMs, kYears + 200 * kMs};
+  CHECK(times_of(associate_on_grid(sparse, sparse, 100 * kMs, 200 * kMs, kSecond)) == expected);
+  // A gap of the reference alone, and one that ends between two moments.
+  const Trajectory dense = sampled(0, 3 * kSecond, 10 * kMs), holed = at_times({0, 100 * kMs, 1950 * kMs, 2110 * kMs});
+  CHECK(times_of(associate_on_grid(dense, holed, 100 * kMs, 200 * kMs, kSecond)) ==
+        std::vector<TimeNs>{0, 100 * kMs, 2000 * kMs, 2100 * kMs});
+}
+
 TEST_CASE("no time in common: both ranges and the offset are named") {
   const Trajectory reference = sampled(1'600'000'000 * kSecond, 1'600'000'020 * kSecond, 100 * kMs);
   const Trajectory estimate = sampled(0, 20 * kSecond, 100 * kMs);

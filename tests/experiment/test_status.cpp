@@ -103,6 +103,18 @@ TEST_CASE("a call over one recording is seen at work, and one of yesterday's pla
   CHECK(after.total.running == 0);
 }
 
+TEST_CASE("a plan whose number of jobs is none leaves one job") {
+  const StudyFiles files;
+  fs::create_directories(files.folder / "runs/a/one");
+  write_text(files.folder / "runs/a/one/run_key.json",
+             R"({"key": "k", "status": "crashed", "reason": "", "wall_s": 3, "final": true, "limit": 0})");
+  for (const std::string jobs : {"1", "99999999999", "-1", "", "many"}) {
+    write_text(files.folder / "plan.csv",
+               "data,sequence,run,method,identity,key,jobs\na,a,one,m,x,k," + jobs + "\na,a,two,m,x,l," + jobs + "\n");
+    CHECK(read_status(files.folder.path()).left_s == 3.0);
+  }
+}
+
 TEST_CASE("nobody is at work when the cluster has refused") {
   const StudyFiles files;
   const Study study = files.load(study_text({"one"}));

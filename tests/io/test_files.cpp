@@ -5,10 +5,12 @@
 #include <cerrno>
 #include <chrono>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/cloud_file.hpp"
+#include "aslio/io/json.hpp"
 #include "aslio/io/writers.hpp"
 #include "io/bag_fixture.hpp"
 
@@ -195,6 +197,11 @@ TEST_CASE("errors in a TUM file name the line") {
                  "t.tum:4: not a time in seconds, but as it seems in nanoseconds: divide the stamps by 1e9: '16"));
   CHECK(contains(error("1600000000123456 1 2 3 0 0 0 1"), "microseconds: divide the stamps by 1e6"));
   CHECK(contains(error("1600000000123 1 2 3 0 0 0 1"), "milliseconds: divide the stamps by 1e3"));
+  // Two times that are farther away would have a difference of more than 63 bits.
+  CHECK(error("4600000000 1 2 3 0 0 0 1").empty());
+  for (const std::string far : {"4600000001", "-4600000001", "4.7e9", "-9e9"}) {
+    CHECK(contains(error(far + " 1 2 3 0 0 0 1"), "t.tum:4: not a time in seconds: '" + far + "'"));
+  }
   for (const std::string late : {"0 1 2 3 0 0 0 1", "-1.5 1 2 3 0 0 0 1"}) {
     CHECK(contains(error(late),
                    "t.tum:4: its time is not later than 0.000000000 s of the pose before: sort the poses and remove "
@@ -207,6 +214,15 @@ TEST_CASE("errors in a TUM file name the line") {
   CHECK(contains(error("1 1 2 x 0 0 0 1"), "t.tum:4: not a finite number: 'x'"));
   CHECK(contains(error("1 1 2 3 0 0 0 0"), "norm 0"));
   CHECK(contains(data_error([&] { read_tum(folder / "absent"); }), "absent"));
+}
+
+TEST_CASE("what is nested too deep to be walked is no JSON") {
+  const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  CHECK(parse_json(nested(60)).has_value());
+  CHECK_FALSE(parse_json(nested(70)).has_value());
+  CHECK_FALSE(parse_json(nested(1'000'000)).has_value());
+  CHECK_FALSE(parse_json("{").has_value());
+  CHECK(parse_json(R"({"a": [1, {"b": null}]})")->dump() == R"({"a":[1,{"b":null}]})");
 }
 
 TEST_CASE("maps are written and read back") {

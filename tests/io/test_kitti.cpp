@@ -143,6 +143,10 @@ TEST_CASE("missing and damaged files of a drive") {
   std::ofstream(drive / "oxts/timestamps.txt") << "2011-09-26 13:04:32.000000000\nyesterday\n";
   CHECK(contains(data_error([&] { open_source(drive, {}); }), "timestamps.txt:2: 'yesterday'"));
   CHECK(contains(data_error([&] { open_source(folder.path() / "2011_09_26" / "..", {}); }), "timestamps.txt:2"));
+  for (const std::string year : {"0000", "-999", "1899", "2101", "9999"}) {  // as nanoseconds they need not fit
+    std::ofstream(drive / "oxts/timestamps.txt") << year << "-09-26 13:04:32.000000000\n";
+    CHECK(contains(data_error([&] { open_source(drive, {}); }), "timestamps.txt:1: '" + year + "-09-26"));
+  }
 }
 
 TEST_CASE("an empty line in a list of times is a lost frame, and later ones keep their number") {

@@ -122,6 +122,12 @@ TEST_CASE("packed integers read back, the extremes included") {
         std::vector<std::int64_t>{100, -2300, 4'000'000'000'000'000});
 }
 
+TEST_CASE("what is no number is packed as 0, and what is too large as the largest") {
+  const double none = std::nan(""), all = std::numeric_limits<double>::infinity();
+  CHECK(packed_numbers(std::vector<double>{none, all, -all, 2}, 0.5) ==
+        packed_integers(std::vector<std::int64_t>{0, 4'000'000'000'000'000, -4'000'000'000'000'000, 4}));
+}
+
 TEST_CASE("JSON in a script can neither end it nor begin a comment") {
   const nlohmann::ordered_json json = {{"name", aslio::test::kHostileText}};
   const std::string text = script_safe(json);

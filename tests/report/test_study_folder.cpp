@@ -330,7 +330,7 @@ TEST_CASE("where the truth tells nothing, no error is drawn") {
   CHECK_FALSE(all["path"].contains("known"));
   DataTruth half = whole;
   const auto samples = whole.truth->samples();
-  half.truth = Trajectory({samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2), samples.end()});
+  half.truth = aslio::Trajectory({samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2), samples.end()});
   const auto partly = series_json(study.runs[1], half);
   CHECK(partly["aligned"] == true);
   CHECK(partly["path"].contains("known"));
@@ -410,6 +410,16 @@ TEST_CASE("telemetry cut short loses its last line only") {
   CHECK(columns->numbers.at("sod")[0] == 0.5);
   CHECK(std::isnan(columns->numbers.at("sod")[1]));
   CHECK_FALSE(read_columns(folder.path() / "none.csv").has_value());
+}
+
+TEST_CASE("of two columns of one name the first counts, and a time that no clock shows is left out") {
+  FolderRun run;
+  const TemporaryFolder folder;
+  run.folder = folder.path();
+  write_text(run.folder / "updates.csv", "t_ns,a,a\n-9000000000000000000,1,1\n100,2,3\n9000000000000000000,1,1\n");
+  CHECK(read_columns(run.folder / "updates.csv").value().t == std::vector<aslio::TimeNs>{100});
+  CHECK(read_columns(run.folder / "updates.csv").value().numbers.at("a") == std::vector<double>{2});
+  CHECK_THAT(series_json(run, {}).dump(), Contains("names the column a twice") && Contains("2 of 3 lines have"));
 }
 
 TEST_CASE("a page holds everything, and nothing hostile outside its data") {

@@ -85,21 +85,24 @@ install_packages() {
   echo "      installed in $(elapsed $begin)"
 }
 
-# build PRESET WORDS [cmake cache arguments...]: configures when needed, builds what has changed.
+# build PRESET WORDS [cmake cache arguments...]: configures when needed, builds what has changed; of the targets in the
+# array `built` where there is one, of all otherwise.
 build() {
   local preset=$1 words=$2
   shift 2
   local log=build/$preset.log begin=$SECONDS first=""
   mkdir -p build
   [ -f "build/$preset/build.ninja" ] || first=" ($words the first time)"
+  local wanted=()
+  if [ -n "${built[*]-}" ]; then wanted=(--target "${built[@]}"); fi
   announce "building build/$preset$first"
   if ! cmake --preset "$preset" "$@" >"$log" 2>&1 </dev/null; then
     tail -n 30 "$log" >&2
     fail "cmake could not configure (whole log: $log)"
   fi
   if [ -t 1 ]; then
-    cmake --build "build/$preset" -j "$(nproc)" || fail "the build failed"
-  elif ! cmake --build "build/$preset" -j "$(nproc)" >>"$log" 2>&1 </dev/null; then
+    cmake --build "build/$preset" -j "$(nproc)" ${wanted[@]+"${wanted[@]}"} || fail "the build failed"
+  elif ! cmake --build "build/$preset" -j "$(nproc)" ${wanted[@]+"${wanted[@]}"} >>"$log" 2>&1 </dev/null; then
     grep -A 40 -m 3 '^FAILED:' "$log" >&2 || tail -n 40 "$log" >&2
     fail "the build failed (whole log: $log)"
   fi

@@ -84,6 +84,15 @@ std::size_t nearest(std::span<const StampedPose> samples, TimeNs t) {
   return index;
 }
 
+/// Steps of the grid from `t`, where the trajectory has no pose, that may be left out: those before its next sample.
+/// Years may lie between two samples. Pre: `t` is not behind the end.
+TimeNs steps_without_pose(const Trajectory& trajectory, TimeNs t, TimeNs period) {
+  const auto samples = trajectory.samples();
+  const auto next = std::lower_bound(samples.begin(), samples.end(), t,
+                                     [](const StampedPose& sample, TimeNs time) { return sample.t < time; });
+  return std::max<TimeNs>(0, (next->t - t - 1) / period);
+}
+
 }  // namespace
 
 Association associate_interpolated(const Trajectory& estimate, const Trajectory& reference, TimeNs max_reference_gap,
@@ -133,7 +142,11 @@ std::vector<PosePair> associate_on_grid(const Trajectory& estimate, const Trajec
   for (TimeNs t = past == 0 ? begin : past > 0 ? begin + (period - past) : begin - past; t <= end; t += period) {
     const auto ours = estimate.pose(t, max_estimate_gap);
     const auto truth = reference.pose(t, max_reference_gap);
-    if (ours && truth) pairs.push_back({t, *ours, *truth});
+    if (ours && truth) {
+      pairs.push_back({t, *ours, *truth});
+    } else {
+      t += steps_without_pose(ours ? reference : estimate, t, period) * period;
+    }
   }
   return pairs;
 }

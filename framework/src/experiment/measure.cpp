@@ -20,7 +20,8 @@ evaluation::Options measuring_options(const Trajectory& reference, evaluation::R
   for (std::size_t i = 1; i < samples.size(); ++i) steps.push_back(samples[i].t - samples[i - 1].t);
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  options.max_reference_gap = std::max(options.max_reference_gap, 2.5 * to_seconds(*middle));
+  constexpr double kMostGap = 1e9;  // [s] in nanoseconds it still fits
+  options.max_reference_gap = std::clamp(2.5 * to_seconds(*middle), options.max_reference_gap, kMostGap);
   return options;
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "aslio/core/input_file.hpp"
+#include "aslio/io/json.hpp"
 
 namespace aslio::experiment {
 
@@ -17,8 +18,8 @@ inline std::optional<nlohmann::ordered_json> read_json(const std::filesystem::pa
   std::ostringstream text;
   // Read first: parse() lets through what the stream throws when the disk fails.
   if (!stream || !(text << stream.rdbuf())) return std::nullopt;
-  auto json = nlohmann::ordered_json::parse(text.str(), nullptr, false);
-  if (json.is_discarded() || !json.is_object()) return std::nullopt;
+  auto json = io::parse_json(text.str());
+  if (!json || !json->is_object()) return std::nullopt;
   return json;
 }
 

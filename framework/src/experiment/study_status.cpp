@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -133,7 +134,11 @@ class StatusReader {
       const double each = *statistics::median(known != times_.end() ? known->second : all);
       sum += each * static_cast<double>(count);
     }
-    const int jobs = plan_.rows.empty() ? 1 : std::stoi("0" + plan_.rows.front()[plan_.column("jobs")]);
+    int jobs = 1;
+    if (!plan_.rows.empty()) {
+      const std::string& cell = plan_.rows.front()[plan_.column("jobs")];
+      std::from_chars(cell.data(), cell.data() + cell.size(), jobs);  // what is no number leaves one job
+    }
     status_.left_s = sum / std::max(1, jobs);
   }
 

@@ -52,7 +52,8 @@ std::optional<TimeNs> parse_time(std::string_view text) {
   }
   const std::chrono::year_month_day date{std::chrono::year{year}, std::chrono::month{static_cast<unsigned>(month)},
                                          std::chrono::day{static_cast<unsigned>(day)}};
-  if (!date.ok()) return std::nullopt;
+  // What is farther away does not fit 63 bits of nanoseconds.
+  if (!date.ok() || year < 1900 || year > 2100) return std::nullopt;
   const TimeNs days = std::chrono::sys_days{date}.time_since_epoch().count();
   return ((days * 24 + hour) * 60 + minute) * 60 * kSecond + second * kSecond + fraction;
 }

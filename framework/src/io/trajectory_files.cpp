@@ -34,7 +34,7 @@ bool parse_seconds(std::string_view text, TimeNs& t) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) < 9e9)) return false;
     t = to_ns(value);
-    return true;
+    return is_time(t);
   }
   const bool negative = text.starts_with('-');
   if (negative) text.remove_prefix(1);
@@ -46,11 +46,11 @@ bool parse_seconds(std::string_view text, TimeNs& t) {
   fraction.resize(9, '0');
   std::int64_t s = 0, ns = 0;
   const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), s);
-  if (error != std::errc{} || end != whole.data() + whole.size() || s < 0 || s > 9'000'000'000) return false;
+  if (error != std::errc{} || end != whole.data() + whole.size() || s < 0 || s > kFarthestTime / kSecond) return false;
   std::from_chars(fraction.data(), fraction.data() + 9, ns);
   t = s * kSecond + ns + (round_up ? 1 : 0);
   if (negative) t = -t;
-  return true;
+  return is_time(t);
 }
 
 /// Why a time was refused: whole numbers far beyond seconds are stamps in another unit.

@@ -13,43 +13,14 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/plugin/abi.hpp"
-#include "elf_extent.hpp"
+#include "plugin_file.hpp"
 
 namespace aslio::plugin {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& file, const std::string& reason) {
-  throw ConfigError(fmt::format("plugin {}: {}", file.string(), reason));
-}
-
-struct stat status_of(const fs::path& path, const fs::path& file) {
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0) fail(file, fmt::format("{}: {}", path.string(), std::strerror(errno)));
-  return status;
-}
-
-/// The file without symbolic links, once nobody but its owner and group could have put it there.
-fs::path checked_path(const fs::path& file) {
-  std::error_code error;
-  const fs::path real = fs::canonical(file, error);
-  if (error) fail(file, fmt::format("cannot be found: {}", error.message()));
-  const struct stat status = status_of(real, file);
-  if (!S_ISREG(status.st_mode)) fail(file, "is not a regular file");
-  if ((status.st_mode & S_IWOTH) != 0) fail(file, "can be written by anybody: chmod o-w it");
-  bool nearest = true;
-  for (fs::path directory = real.parent_path();; directory = directory.parent_path()) {
-    const mode_t mode = status_of(directory, file).st_mode;
-    // In a directory with the sticky bit nobody can replace the entries of others: enough for all but the file's own.
-    if ((mode & S_IWOTH) != 0 && (nearest || (mode & S_ISVTX) == 0)) {
-      fail(file,
-           fmt::format("its directory {} can be written by anybody: move the plugin elsewhere", directory.string()));
-    }
-    nearest = false;
-    if (directory == directory.parent_path()) return real;
-  }
-}
+[[noreturn]] void fail(const fs::path& file, const std::string& reason) { refuse_plugin(file, reason); }
 
 /// Same file, and neither content, name nor rights changed in between.
 bool unchanged(const struct stat& a, const struct stat& b) {
@@ -133,20 +104,16 @@ Catalog registered(const AslioPlugin& entry, const fs::path& real, const fs::pat
 
 SharedObject load_shared_object(Catalog& catalog, const fs::path& file) {
   SharedObject object;
-  object.path = checked_path(file);
-  const struct stat hashed = status_of(object.path, file);
+  object.path = check_plugin_file(file);
+  const struct stat hashed = plugin_file_status(object.path, file);
   try {
     object.sha256 = sha256_of_file(object.path);
   } catch (const DataError& error) {
     fail(file, error.what());
   }
-  // The loader maps what the headers name; where that lies beyond the end of the file, touching it ends the process.
-  if (const std::string why = why_cut_short(object.path); !why.empty()) {
-    fail(file, fmt::format("is damaged: {}; build or copy it again", why));
-  }
   const AslioPlugin& entry = open(object.path, file);
   // Not by loading an open descriptor: the name it would load under breaks $ORIGIN in the plugin's search path.
-  if (!unchanged(hashed, status_of(object.path, file))) {
+  if (!unchanged(hashed, plugin_file_status(object.path, file))) {
     fail(file, "was changed while it was loaded, so its SHA-256 is not that of the code: load it again");
   }
   check_entry(entry, file);

@@ -86,7 +86,8 @@ std::string packed_numbers(std::span<const double> values, double unit) {
   std::vector<std::int64_t> integers;
   integers.reserve(values.size());
   for (const double value : values) {
-    integers.push_back(static_cast<std::int64_t>(std::clamp(std::round(value / unit), -kLargest, kLargest)));
+    const double scaled = std::round(value / unit);
+    integers.push_back(std::isnan(scaled) ? 0 : static_cast<std::int64_t>(std::clamp(scaled, -kLargest, kLargest)));
   }
   return packed_integers(integers);
 }

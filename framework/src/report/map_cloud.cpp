@@ -26,7 +26,8 @@ class Thinned {
   explicit Thinned(std::size_t limit) : limit_(limit) {}
 
   void add(const Vec3& p) {
-    if (!(p.cwiseAbs().maxCoeff() < kFar) || !taken_.insert(key(p)).second) return;
+    // By component: the largest of some that are no numbers may be a number.
+    if (!((p.array().abs() < kFar).all()) || !taken_.insert(key(p)).second) return;
     points_.push_back(p);
     if (points_.size() <= limit_) return;
     voxel_ *= 1.4;

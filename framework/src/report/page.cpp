@@ -14,6 +14,7 @@
 #include "aslio/core/markup.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/version.hpp"
+#include "aslio/io/json.hpp"
 #include "aslio/report/encode.hpp"
 #include "aslio/report/run_series.hpp"
 #include "aslio/report/table.hpp"
@@ -127,8 +128,8 @@ void add_note(Json& run, const std::string& note) {
 std::optional<Json> object_of(Json& run, const fs::path& file, std::vector<std::string>& unreadable) {
   const auto text = read_file(file);
   if (!text) return std::nullopt;
-  Json json = Json::parse(*text, nullptr, false);
-  if (json.is_object()) return json;
+  auto json = io::parse_json(*text);
+  if (json && json->is_object()) return json;
   const std::string name = file.filename().string();
   unreadable.push_back(file.string() + ": it is no JSON object");
   // single_runs() has told it.

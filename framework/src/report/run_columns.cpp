@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "aslio/io/writers.hpp"
+
 namespace aslio::report {
 
 namespace {
@@ -39,6 +41,9 @@ class Reader {
     for (const std::string& name : names_) {
       if (name == "t_ns") {
         targets_.push_back({});
+      } else if (columns_.texts.contains(name) || columns_.numbers.contains(name)) {
+        targets_.push_back({});  // two columns of one name would be one of twice the length
+        repeated_ = name;
       } else if (is_text(name)) {
         targets_.push_back({nullptr, &columns_.texts[name]});
       } else {
@@ -55,7 +60,7 @@ class Reader {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (names_[i] != "t_ns") continue;
       const auto [end, error] = std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), t);
-      if (error != std::errc{} || (!columns_.t.empty() && t <= columns_.t.back())) return;
+      if (error != std::errc{} || !io::is_time(t) || (!columns_.t.empty() && t <= columns_.t.back())) return;
     }
     columns_.t.push_back(t);
     for (std::size_t i = 0; i < names_.size(); ++i) {
@@ -66,6 +71,8 @@ class Reader {
 
   bool has_time() const { return std::find(names_.begin(), names_.end(), "t_ns") != names_.end(); }
   std::size_t lines() const { return lines_; }
+  /// A name that two columns have; empty: none.
+  const std::string& repeated() const { return repeated_; }
   Columns finish() { return std::move(columns_); }
 
  private:
@@ -76,6 +83,7 @@ class Reader {
   Columns columns_;
   std::vector<std::string> names_;
   std::vector<Target> targets_;
+  std::string repeated_;
   std::size_t lines_ = 0;  ///< seen, those left out among them
 };
 
@@ -99,6 +107,9 @@ std::optional<Columns> read_columns(const std::filesystem::path& path, std::vect
   }
   for (left.remove_prefix(end + 1); (end = left.find('\n')) != std::string_view::npos; left.remove_prefix(end + 1)) {
     reader.take(left.substr(0, end));
+  }
+  if (!reader.repeated().empty()) {
+    note(fmt::format("its first line names the column {} twice; the first one is shown", reader.repeated()));
   }
   if (!left.empty()) note("it is cut off in the middle of a line; what stands before is shown");
   const std::size_t lines = reader.lines();

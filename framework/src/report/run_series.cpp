@@ -14,6 +14,7 @@
 #include "aslio/evaluation/evaluation.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/measure.hpp"
+#include "aslio/io/json.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/report/encode.hpp"
 #include "placement.hpp"
@@ -222,8 +223,9 @@ std::string within_run(std::string text, const FolderRun& run) {
 /// The file that measured a run, by its manifest; empty where none is named.
 fs::path reference_of(const fs::path& run) {
   std::error_code ignored;
-  const Json manifest = Json::parse(read_file(run / "manifest.json").value_or(""), nullptr, false);
-  if (!manifest.is_object()) return {};
+  const auto read = io::parse_json(read_file(run / "manifest.json").value_or(""));
+  if (!read || !read->is_object()) return {};
+  const Json& manifest = *read;
   const auto reference = manifest.find("reference");
   if (reference != manifest.end() && reference->is_object()) {
     const auto path = reference->find("path");
@@ -273,7 +275,8 @@ Json data_json(const StudyFolder& study, const std::string& data, const DataTrut
   for (std::size_t i = 1; i < lines.size(); ++i) {
     if (lines[i].size() != lines[0].size()) continue;
     const double t = std::strtod(lines[i][time].c_str(), nullptr) - to_seconds(truth.origin);
-    if (channel.t.empty() || t > channel.t.back()) channel.add(t, std::strtod(lines[i][overlap].c_str(), nullptr));
+    if (std::isfinite(t) && (channel.t.empty() || t > channel.t.back()))
+      channel.add(t, std::strtod(lines[i][overlap].c_str(), nullptr));
   }
   if (!channel.t.empty()) json["overlap"] = packed(channel);
   return json;

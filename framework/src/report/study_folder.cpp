@@ -10,6 +10,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_results.hpp"
+#include "aslio/io/json.hpp"
 
 namespace aslio::report {
 
@@ -230,11 +231,11 @@ std::vector<fs::path> run_folders(const fs::path& folder) {
 experiment::StudyOutcome outcome_of(const fs::path& folder) {
   if (auto outcome = experiment::read_summary_outcome(folder)) return *outcome;
   const auto text = read_file(folder / "summary.json");
-  const auto json = nlohmann::json::parse(text.value_or(""), nullptr, false);
-  const char* problem = !text              ? "it is no file that can be opened"
-                        : text->empty()    ? "it is empty"
-                        : json.is_object() ? "it names no status"
-                                           : "it is no JSON object";
+  const auto json = io::parse_json(text.value_or(""));
+  const char* problem = !text                       ? "it is no file that can be opened"
+                        : text->empty()             ? "it is empty"
+                        : json && json->is_object() ? "it names no status"
+                                                    : "it is no JSON object";
   return {.status = "failed",
           .reason = fmt::format("summary.json cannot be read: {}; make the run again", problem),
           .wall_s = 0,

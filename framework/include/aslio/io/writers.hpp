@@ -51,6 +51,10 @@ std::string kitti_line(const Pose& pose);
 void write_tum(const std::filesystem::path& path, std::span<const StampedPose> poses);
 void write_kitti(const std::filesystem::path& path, std::span<const StampedPose> poses);
 
+/// Times that are read from text lie within +-this [ns], 1824 to 2115: so the difference of any two fits into 63 bits.
+inline constexpr TimeNs kFarthestTime = 4'600'000'000 * kSecond;
+inline constexpr bool is_time(TimeNs t) { return t >= -kFarthestTime && t <= kFarthestTime; }
+
 /// Reads TUM. Post: not empty, times strictly increase. Throws DataError with file:line and the offending text.
 std::vector<StampedPose> read_tum(const std::filesystem::path& path);
 

@@ -20,7 +20,7 @@ std::vector<std::uint32_t> decimated(std::span<const double> t, std::span<const 
 
 /// Differences of consecutive values, zigzag, in groups of 7 bits, least first; base64. The first is a difference to 0.
 std::string packed_integers(std::span<const std::int64_t> values);
-/// Each value as its nearest multiple of `unit`, then as packed_integers(). Values are finite.
+/// Each value as its nearest multiple of `unit`, then as packed_integers(). What is no number counts as 0.
 std::string packed_numbers(std::span<const double> values, double unit);
 
 /// JSON for a <script> element: ASCII, and no `<`, `>` or `&`, so that no text can end the element or begin a comment.

@@ -125,6 +125,7 @@ struct Extent {
 
 template <class Visit>
 void each_point(const CloudView& view, Visit&& visit) {
+  if (view.width == 0) return;  // however many rows of nothing are claimed
   for (std::uint32_t row = 0; row < view.height; ++row) {
     const std::uint8_t* point = view.data.data() + static_cast<std::size_t>(row) * view.row_step;
     for (std::uint32_t i = 0; i < view.width; ++i, point += view.point_step) visit(point);
