@@ -70,6 +70,7 @@ std::optional<TimeNs> SummaryCollector::lost_at(TimeNs end) const {
 void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& stream, std::optional<TimeNs> data_end,
                             TimeNs max_gap) const {
   summary.counters = stream.counters();
+  summary.imu_period_s = to_seconds(stream.imu_period());
   summary.updates = updates_;
   summary.weak_share = windows_ > 0 ? to_seconds(weak_) / to_seconds(windows_) : 0.0;
   summary.updates_by_status = by_status_;

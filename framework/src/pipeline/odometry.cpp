@@ -7,6 +7,7 @@
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/pipeline/new_start.hpp"
 #include "aslio/pipeline/stage_set.hpp"
+#include "doubted_imu.hpp"
 #include "prior_probe.hpp"
 
 namespace aslio::pipeline {
@@ -29,6 +30,7 @@ class Odometry::Loop {
         sensor_(context.sensor),
         start_offset_(start_offset(context.order_seed)),
         anew_{context.exec, sensor_, context.log, context.order_seed, true},
+        stream_(stream::ImuRange{sensor_.gyro_range, sensor_.acc_range}),
         tracking_(config.limits, context.sensor.sweep_period) {
     take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
@@ -52,7 +54,8 @@ class Odometry::Loop {
   }
 
   void step(const WindowPlan& plan, UpdateRecord& record) {
-    const Window window = stream_.cut(plan, ++sequence_);
+    Window window = stream_.cut(plan, ++sequence_);
+    doubted_imu_.mend(window, feedback_.state);
     const HistorySelection past = stages_.history->select(window);
     {
       const CpuTimer timer(record.times.insert);
@@ -80,11 +83,23 @@ class Odometry::Loop {
     // One that is lost by silence has a dead-reckoned pose; one that is lost by its state, the last that was accepted.
     if (tracking_.lost() ? sound(update.state) : update.accepted) believed_ = update.state.pose();
     if (update.accepted && !tracking_.lost()) last_accepted_ = plan.end;
+    doubted_imu_.observe(update.state);
     report(window, past, update, record);
     // Of a map that has begun anew nothing is known.
     const OverlapScore overlap = update.restart_map ? OverlapScore{} : record.overlap;
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,    overlap,
                  update.state, update.spectrum,           record.n_matches, update.leaves_open()};
+  }
+
+  /// What was there before a jump of the clock is gone, and how long ago it was is not known.
+  void note_clock_jumps() {
+    for (; clock_jumps_ < stream_.clock_jumps().size(); ++clock_jumps_) {
+      const stream::ClockJump& jump = stream_.clock_jumps()[clock_jumps_];
+      if (!started()) continue;
+      new_start_.reset();
+      reckoned_ = false;
+      tracking_.observe_clock_jump(jump.t, jump.by);
+    }
   }
 
   void finish() {
@@ -160,7 +175,7 @@ class Odometry::Loop {
         tracking_.losses().back().t + start_offset_, believed_, {}, last_accepted_, config_.limits.max_speed};
     // Soon after a start in motion an estimator does not know yet how fast it is.
     const NavState& state = stages_.estimator->state();
-    if (last_accepted_ - segment_begin_ >= kSecond && sound(state)) known.state = state;
+    if (reckoned_ && last_accepted_ - segment_begin_ >= kSecond && sound(state)) known.state = state;
     return known;
   }
 
@@ -174,7 +189,9 @@ class Odometry::Loop {
     feedback_.t = initial.state.t;
     feedback_.state = initial.state;
     last_point_ = last_accepted_ = segment_begin_ = feedback_.t;
+    reckoned_ = true;
     believed_ = initial.state.pose();
+    doubted_imu_.begin(initial.state);
     stream_.release(feedback_.t);
   }
 
@@ -259,6 +276,8 @@ class Odometry::Loop {
   TimeNs start_offset_;
   BuildContext anew_;  ///< of the stages after a loss
   stream::MeasurementStream stream_;
+  DoubtedImu doubted_imu_;
+  std::size_t clock_jumps_ = 0;  ///< of the stream, that the tracking knows of
   StageSet stages_;
   std::optional<PriorProbe> probe_;
   double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
@@ -269,6 +288,7 @@ class Odometry::Loop {
   Pose believed_;  ///< T_W_I where the run begins anew if it is lost now
   TimeNs last_point_ = 0, last_accepted_ = 0, segment_begin_ = 0;
   std::optional<NewStart> new_start_;  ///< while lost
+  bool reckoned_ = true;               ///< IMU data since then are all there
   std::uint32_t sequence_ = 0, segment_ = 0;
 };
 
@@ -287,6 +307,7 @@ void Odometry::push(Measurement&& measurement) {
   } else {
     loop_->stream_.push(std::get<ImuSample>(measurement));
   }
+  loop_->note_clock_jumps();
   loop_->run_available();
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace aslio::pipeline {
 
@@ -26,6 +27,14 @@ void Tracking::observe_gap(TimeNs begin, TimeNs end) {
 
 void Tracking::observe_silent_imu(TimeNs t) {
   diverge(t + 1, true, fmt::format("no IMU data for more than max_gap {:g} s from then on", limits_.max_gap));
+}
+
+void Tracking::observe_clock_jump(TimeNs t, TimeNs by) {
+  diverge(
+      t + 1, true,
+      fmt::format("the clock of the sensors jumped {} by {:.1f} s; later stamps are moved {} by as much, so that time "
+                  "goes on",
+                  by < 0 ? "back" : "ahead", std::abs(to_seconds(by)), by < 0 ? "ahead" : "back"));
 }
 
 void Tracking::restart(TimeNs t) {

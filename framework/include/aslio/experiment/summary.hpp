@@ -25,6 +25,9 @@ inline constexpr double kMaxWeakShare = 0.25;
 /// A step between IMU samples, or between points, beyond this makes a run `degraded` [ns].
 inline constexpr TimeNs kLongGap = kSecond / 2;
 
+/// IMU readings that are clipped, stuck or zero for more than this in all make a run `degraded` [ns].
+inline constexpr TimeNs kDoubtedImu = kSecond / 10;
+
 /// Minimum, median and maximum of the rate of updates [Hz]; windows that a gap or the end cut short do not count.
 struct RateRange {
   double min = 0, median = 0, max = 0;
@@ -49,6 +52,7 @@ struct Summary {
   double weak_share = 0;                                 ///< of the time of all windows, that of weak updates
   std::uint64_t updates = 0;
   double longest_imu_gap_s = 0, longest_lidar_gap_s = 0;
+  double imu_period_s = 0;  ///< between IMU samples, as a rule
   std::optional<RateRange> rate_hz;
   double path_length_m = 0;
   double cpu_s = 0;   ///< process CPU time of the loop: reading, updates and writing

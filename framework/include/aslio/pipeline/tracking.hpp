@@ -30,7 +30,8 @@ struct TrackingLimits {
 ///   degraded -> lost            after more than max_silence of refused updates
 ///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
 ///                               max_gap: dead reckoning is then off by more than what a match can make good; and with
-///                               an IMU that is silent for as long, which leaves nothing to predict from
+///                               an IMU that is silent for as long, which leaves nothing to predict from; and where
+///                               the clock of all sensors jumps
 ///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted updates
 class Tracking {
  public:
@@ -46,6 +47,8 @@ class Tracking {
   void observe_gap(TimeNs begin, TimeNs end);
   /// There are no IMU data for more than max_gap after `t`, or none ever: lost.
   void observe_silent_imu(TimeNs t);
+  /// The clock of all sensors jumped by `by` [ns] after `t`: lost.
+  void observe_clock_jump(TimeNs t, TimeNs by);
   /// The run goes on from a new first state at `t`. Pre: lost.
   void restart(TimeNs t);
 
