@@ -33,7 +33,7 @@ struct Recorder {
 }  // namespace
 
 TEST_CASE("clock: both jump: what was there is forgotten, and time goes on") {
-  for (const TimeNs jump : {-10 * kSecond, -2 * kSecond, 3600 * kSecond}) {
+  for (const TimeNs jump : {-10 * kSecond, -2 * kSecond - 7, 3600 * kSecond}) {
     CAPTURE(jump);
     Recorder r{jump, jump};
     r.play(0, 2.1);

@@ -28,6 +28,8 @@ constexpr int kOthersVary = 3;
 /// What all axes of a sensor repeat for so long is stuck.
 constexpr TimeNs kStuck = kSecond / 5;
 constexpr int kStuckRepeats = 5;
+/// Steps that must have changed before a repetition means anything [%].
+constexpr std::ptrdiff_t kAxisVaries = 75, kSensorVaries = 90;
 
 double reading(const ImuSample& s, int axis) { return axis < 3 ? s.gyro[axis] : s.acc[axis - 3]; }
 
@@ -114,14 +116,11 @@ void ImuSpikes::refuse() {
 
 void ImuSpikes::push(const ImuSample& sample, std::vector<ImuSample>& out) {
   if (!last_) return accept(sample, out);
-  const bool is_far = far(*last_, sample);
-  const bool in_order = sample.t > (held_.empty() ? last_->t : held_.back().t);
-  if (!in_order) {  // between others that are there
-    if (is_far) ++refused_;
-    if (!is_far) out.push_back(sample);
+  if (sample.t <= (held_.empty() ? last_->t : held_.back().t)) {  // between others, which are not kept
+    out.push_back(sample);
     return;
   }
-  if (is_far) {
+  if (far(*last_, sample)) {
     held_.push_back(sample);
     const bool too_long = held_.size() > 1 && sample.t - last_->t > kLongest;
     if (held_.size() > kMostInARow || too_long) accept_held(out);
@@ -179,11 +178,12 @@ bool ImuRepeats::is_plateau(int axis, const ImuSample& sample, std::span<const b
   return std::count(changed.begin(), changed.end(), true) >= kOthersVary;
 }
 
-/// Whether a sensor has shown noise: one that never does, in a simulation without noise, repeats itself at rest.
-bool ImuRepeats::varies(int sensor) const {
-  if (changed_count_ < kRecent) return false;
-  const auto& changed = changed_[static_cast<std::size_t>(sensor)];
-  return std::count(changed.begin(), changed.end(), true) * 10 >= std::ssize(changed) * 9;
+/// Whether an axis or a sensor has shown noise, in so many of the last steps: one that never does, in a simulation
+/// without noise, repeats itself at rest, and one that is read in coarse steps does so often.
+bool ImuRepeats::varies(std::size_t what, std::ptrdiff_t percent) const {
+  const auto& changed = changed_[what];
+  return changed_count_ >= kRecent &&
+         std::count(changed.begin(), changed.end(), true) * 100 >= std::ssize(changed) * percent;
 }
 
 void ImuRepeats::mark_clipped(ImuSample& sample) const {
@@ -221,7 +221,10 @@ bool ImuRepeats::doubts_axes(const ImuSample& sample) {
   for (int axis = 0; axis < 6; ++axis) {
     const auto at = static_cast<std::size_t>(axis);
     Run& run = axis_run_[at];
-    run.take(!changed[at] && is_plateau(axis, sample, changed), sample.t);
+    const bool repeats =
+        !changed[at] && is_plateau(axis, sample, changed) && (run.repeats > 0 || varies(at, kAxisVaries));
+    run.take(repeats, sample.t);
+    changed_[at][changed_count_ % kRecent] = changed[at];
     if (run.repeats >= kPlateau) {
       limit_[at / 3] = std::abs(reading(sample, axis));
       run.repeats = 0;
@@ -236,8 +239,8 @@ bool ImuRepeats::doubts_sensor(int sensor, const ImuSample& sample) {
   const auto k = static_cast<std::size_t>(sensor);
   const bool same = of_sensor(sample, sensor) == of_sensor(*last_, sensor);
   Run& run = stuck_run_[k];
-  if (!same || run.repeats > 0 || varies(sensor)) run.take(same, sample.t);
-  changed_[k][changed_count_ % kRecent] = !same;
+  if (!same || run.repeats > 0 || varies(6 + k, kSensorVaries)) run.take(same, sample.t);
+  changed_[6 + k][changed_count_ % kRecent] = !same;
   const bool stuck = run.repeats >= kStuckRepeats && sample.t - run.since >= kStuck;
   if (stuck) {
     for (ImuSample& held : held_)

@@ -89,7 +89,7 @@ class ImuRepeats {
   double limit(int sensor) const;
   void note_extremes(const ImuSample& sample);
   bool is_plateau(int axis, const ImuSample& sample, std::span<const bool> changed) const;
-  bool varies(int sensor) const;
+  bool varies(std::size_t what, std::ptrdiff_t percent) const;
   void mark_clipped(ImuSample& sample) const;
   void count(const ImuSample& sample);
   void release(std::vector<ImuSample>& out);
@@ -102,9 +102,10 @@ class ImuRepeats {
   std::array<double, 2> largest_{};  ///< reading of any axis
   std::optional<ImuSample> last_;    ///< the newest that was pushed
   std::vector<ImuSample> held_;
-  std::array<Run, 6> axis_run_{};                       ///< of a reading of one axis
-  std::array<Run, 2> stuck_run_{};                      ///< of all axes of a sensor
-  std::array<std::array<bool, kRecent>, 2> changed_{};  ///< whether a sensor differed from the sample before
+  std::array<Run, 6> axis_run_{};   ///< of a reading of one axis
+  std::array<Run, 2> stuck_run_{};  ///< of all axes of a sensor
+  /// Whether axes 0 to 5, and sensors 6 and 7, differed from the sample before: rings.
+  std::array<std::array<bool, kRecent>, 8> changed_{};
   std::size_t changed_count_ = 0;
   ImuFindings findings_;
 };
