@@ -196,3 +196,25 @@ TEST_CASE("clocks: one that jumps alone is an error that names it") {
   Run run(shipped("as_lio"), walk.world.sensor());
   CHECK_THROWS_WITH(run.play(recording), Contains("IMU clock jumped back by 10.0 s"));
 }
+
+TEST_CASE("an empty scan, and one of a few points, are no fault of a run") {
+  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
+  const std::size_t left = GENERATE(0, 1, 10);
+  CAPTURE(name, left);
+  const Walked walk(107, 8);
+  for (const double at : {4.0, 4.03, 4.07}) {  // wherever windows begin
+    Recording recording = walk.recording;
+    for (Measurement& m : recording) {
+      auto* packet = std::get_if<LidarPacket>(&m);
+      if (packet == nullptr || std::abs(packet->stamp - walk.begin - to_ns(at)) > kSecond / 20) continue;
+      packet->points.resize(std::min(left, packet->points.size()));
+    }
+    Run run(shipped(name), walk.world.sensor());
+    run.play(recording);
+    CHECK(run.odometry.stream().counters().empty_packets == (left == 0 ? 1 : 0));
+    for (const auto& u : run.updates) {
+      if (u.plan.end > walk.begin + kSecond) CHECK(u.tracking == TrackingStatus::ok);
+      CHECK((u.status == UpdateStatus::few_matches) == u.without_view);
+    }
+  }
+}

@@ -107,6 +107,7 @@ Json counts(const Summary& s) {
     out[fmt::format("updates_{}", name)] = s.updates_by_status[i];
   }
   out["updates_refused"] = sum(s.refused_by_status);
+  out["updates_without_view"] = s.updates_without_view;
   return out;
 }
 

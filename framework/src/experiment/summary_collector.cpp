@@ -50,6 +50,8 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
                                            (record.update->insert && !record.update->points(Tap::map).empty()));
   if (record.update->accepted || starts_map) {
     covered_ += plan.end - plan.fresh_begin;
+  } else if (record.without_view) {
+    ++without_view_;
   } else if (!initialising) {
     ++refused_[static_cast<std::size_t>(record.status)];
     refused_after_accepted_ = refused_after_accepted_ || accepted_ > 0;
@@ -75,6 +77,7 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
   summary.weak_share = windows_ > 0 ? to_seconds(weak_) / to_seconds(windows_) : 0.0;
   summary.updates_by_status = by_status_;
   summary.refused_by_status = refused_;
+  summary.updates_without_view = without_view_;
   summary.accepted = accepted_;
   summary.matchable_points = matchable_points_;
   summary.refused_after_accepted = refused_after_accepted_;

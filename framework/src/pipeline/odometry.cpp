@@ -79,7 +79,8 @@ class Odometry::Loop {
     }
     // A gap at the begin of the window is no time in which the estimator failed: its silence begins with the data.
     const TimeNs data_begin = window.fresh.empty() ? plan.fresh_begin : window.fresh.front().t;
-    tracking_.observe(update, data_begin, plan.end);
+    record.without_view = lacks_view(window, update);
+    tracking_.observe(update, data_begin, plan.end, record.without_view);
     // One that is lost by silence has a dead-reckoned pose; one that is lost by its state, the last that was accepted.
     if (tracking_.lost() ? sound(update.state) : update.accepted) believed_ = update.state.pose();
     if (update.accepted && !tracking_.lost()) last_accepted_ = plan.end;
@@ -215,6 +216,15 @@ class Odometry::Loop {
     last_point_ = points.back().t;
   }
 
+  /// Whether an update was refused because hardly any points came, where usually many do.
+  bool lacks_view(const Window& window, const Update& update) {
+    constexpr double kHardlyAny = 0.1, kShare = 0.05;
+    const double length = to_seconds(window.plan.end - window.plan.fresh_begin);
+    const double density = static_cast<double>(window.fresh.size()) / std::max(length, 1e-3);
+    if (update.accepted) usual_density_ += (usual_density_ > 0 ? kShare : 1.0) * (density - usual_density_);
+    return update.status == UpdateStatus::few_matches && density < kHardlyAny * usual_density_;
+  }
+
   bool sound(const NavState& state) const {
     return state.R.allFinite() && state.p.allFinite() && state.v.allFinite() &&
            state.v.norm() <= config_.limits.max_speed;
@@ -287,6 +297,7 @@ class Odometry::Loop {
   Feedback feedback_;
   Pose believed_;  ///< T_W_I where the run begins anew if it is lost now
   TimeNs last_point_ = 0, last_accepted_ = 0, segment_begin_ = 0;
+  double usual_density_ = 0;           ///< points per second of the updates that were accepted
   std::optional<NewStart> new_start_;  ///< while lost
   bool reckoned_ = true;               ///< IMU data since then are all there
   std::uint32_t sequence_ = 0, segment_ = 0;

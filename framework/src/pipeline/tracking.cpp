@@ -45,7 +45,7 @@ void Tracking::restart(TimeNs t) {
   begin(t);
 }
 
-void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
+void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool without_view) {
   // A gap in the data is no fault of the estimator, wherever it lies among refused windows.
   const bool without_gap = last_end_ > kTimeMin && begin - last_end_ <= no_gap_;
   const TimeNs length = end - (without_gap ? last_end_ : begin);
@@ -83,9 +83,11 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
     status_ = was_well || accepted_in_a_row_ >= kRecovered ? TrackingStatus::ok : TrackingStatus::recovering;
     return;
   }
-  accepted_in_a_row_ = 0;
   silence_ += length;
-  status_ = TrackingStatus::degraded;
+  if (!without_view) {
+    accepted_in_a_row_ = 0;
+    status_ = TrackingStatus::degraded;
+  }
   if (silence_ > max_silence_) {
     diverge(
         end, true,

@@ -41,8 +41,9 @@ class Tracking {
 
   /// The data up to `t` are no part of what follows.
   void begin(TimeNs t) { last_end_ = t; }
-  /// Takes the outcome of an update over the fresh data of [begin, end].
-  void observe(const Update& update, TimeNs begin, TimeNs end);
+  /// Takes the outcome of an update over the fresh data of [begin, end]. One that was refused because hardly any points
+  /// came (`without_view`) is no fault: it counts as silence alone.
+  void observe(const Update& update, TimeNs begin, TimeNs end, bool without_view = false);
   /// There were no points within (begin, end). Lost, if that is too long.
   void observe_gap(TimeNs begin, TimeNs end);
   /// There are no IMU data for more than max_gap after `t`, or none ever: lost.
