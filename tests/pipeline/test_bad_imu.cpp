@@ -95,7 +95,7 @@ TEST_CASE("bad IMU: spikes are refused, and cost nothing") {
   }
 }
 
-TEST_CASE("bad IMU: a gyro that ends at 2 rad/s in sharp turns") {
+TEST_CASE("bad IMU: a gyro that ends at 2 rad/s in sharp turns") {  // eq. MOT-12
   const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
   const bool declared = GENERATE(true, false);
   CAPTURE(name, declared);

@@ -260,7 +260,7 @@ TEST_CASE("tracking: no new start where it cannot help") {
 }
 
 TEST_CASE("tracking: an update for which no points came is no refusal, but silence") {
-  Tracking tracking({}, 0.1);
+  Tracking tracking(TrackingLimits{}, 0.1);
   Update update;
   update.accepted = true;
   update.status = UpdateStatus::ok;

@@ -60,18 +60,18 @@ Screened screened(const std::vector<ImuSample>& recording, const ImuRange& range
   return out;
 }
 
-bool same(const ImuSample& a, const ImuSample& b) {
+bool alike(const ImuSample& a, const ImuSample& b) {
   return a.t == b.t && a.gyro == b.gyro && a.acc == b.acc && a.faults == b.faults;
 }
 
-bool same(const std::vector<ImuSample>& a, const std::vector<ImuSample>& b) {
+bool alike(const std::vector<ImuSample>& a, const std::vector<ImuSample>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const ImuSample& l, const ImuSample& r) { return same(l, r); });
+                    [](const ImuSample& l, const ImuSample& r) { return alike(l, r); });
 }
 
 void check_passes(const std::vector<ImuSample>& recording) {
   const Screened out = screened(recording);
-  CHECK(same(out.samples, recording));
+  CHECK(alike(out.samples, recording));
   CHECK(out.findings.spikes + out.findings.gyro_clipped + out.findings.acc_clipped + out.findings.stuck == 0);
   CHECK(out.warnings.empty());
 }
@@ -94,7 +94,7 @@ TEST_CASE("screen: a walk passes at once and as it is, at any rate") {
     CAPTURE(rate);
     const auto recording = walk(1, 2000, rate);
     const Screened out = screened(recording);
-    CHECK(same(out.samples, recording));
+    CHECK(alike(out.samples, recording));
     CHECK(out.most_held == 0);
     CHECK(out.findings.spikes == 0);
   }
@@ -112,10 +112,10 @@ TEST_CASE("screen: one to three samples far from their neighbours are refused, a
                        expected.begin() + static_cast<std::ptrdiff_t>(at + n));
         for (const double sign : {-1.0, 1.0}) {
           const Screened gyro = screened(changed(clean, at, n, [=](ImuSample& s) { s.gyro.y() = sign * 20; }));
-          CHECK(same(gyro.samples, expected));
+          CHECK(alike(gyro.samples, expected));
           CHECK(gyro.findings.spikes == n);
           const Screened acc = screened(changed(clean, at, n, [=](ImuSample& s) { s.acc.x() = sign * 25 * kG; }));
-          CHECK(same(acc.samples, expected));
+          CHECK(alike(acc.samples, expected));
           CHECK(acc.findings.spikes == n);
           CHECK(acc.most_held <= n);
         }
@@ -169,7 +169,7 @@ TEST_CASE("screen: what a body does is no spike") {
   }
 }
 
-TEST_CASE("screen: readings at the end of a declared range are marked, by axis") {
+TEST_CASE("screen: readings at the end of a declared range are marked, by axis") {  // eq. MOT-12
   const auto recording = changed(walk(10, 600), 200, 20, [](ImuSample& s) {
     s.gyro.z() = -4.97;
     s.acc.x() = 39.9;
