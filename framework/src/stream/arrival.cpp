@@ -64,6 +64,7 @@ JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last, bool 
   in_a_row_ = continues ? in_a_row_ + 1 : 1;
   rejected_ = begin;
   if (in_a_row_ == 1) first_rejected_ = begin;
+  if (in_a_row_ == kConfirmations) third_rejected_ = begin;
   if (in_a_row_ < kConfirmations) return Verdict::ignore;
   if (!sole) return Verdict::jumped;
   in_a_row_ = 0;
@@ -72,8 +73,8 @@ JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last, bool 
 }
 
 void JumpGuard::fail(TimeNs last) const {
-  const bool back = first_rejected_ < last;
-  const double jump = to_seconds(back ? last - first_rejected_ : first_rejected_ - last);
+  const bool back = third_rejected_ < last;
+  const double jump = to_seconds(back ? last - third_rejected_ : third_rejected_ - last);
   throw DataError(
       fmt::format("{} clock jumped {} by {:.1f} s at {}.{:09} s ({} stamps in a row agree); split the recording there",
                   what_, back ? "back" : "ahead", jump, last / kSecond, std::abs(last % kSecond), kConfirmations));

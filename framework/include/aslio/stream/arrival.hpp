@@ -62,7 +62,7 @@ class JumpGuard {
   std::string what_;
   int held_ = 0;         ///< measurements that wait for others that agree
   TimeNs held_end_ = 0;  ///< of the last of them
-  TimeNs rejected_ = 0, first_rejected_ = 0;
+  TimeNs rejected_ = 0, first_rejected_ = 0, third_rejected_ = 0;
   int in_a_row_ = 0;
 };
 
