@@ -19,7 +19,7 @@ DoubtedMotion::DoubtedMotion(const ImuSample& from, const ImuSample& to) : any((
   const UnreadMotion unread(kSecond / 5);
   // What is beyond a range is not known: as much again as a usual one has, for the time of a throw or a step.
   constexpr double throw_rate = 4.0, throw_time = 0.1;     // [rad/s], [s]
-  constexpr double shock_force = 40.0, shock_time = 0.01;  // [m/s^2], [s]
+  constexpr double shock_force = 10.0, shock_time = 0.02;  // [m/s^2], [s]
   if ((faults & imu_fault::gyro_dead) != 0) gyro.array() += unread.gyro;
   if ((faults & imu_fault::acc_dead) != 0) acc.array() += unread.acc;
   for (int axis = 0; axis < 3; ++axis) {

@@ -45,12 +45,11 @@ TEST_CASE("clock: both jump: what was there is forgotten, and time goes on") {
     CHECK(std::abs(r.stream.clock_jumps()[0].by - jump) <= 2 * kPeriod);
     CHECK(r.stream.clock_jumps()[0].t >= before - kSweep);
     CHECK(std::abs(r.stream.clock_shift() + jump) <= 2 * kPeriod);
-    CHECK(r.stream.imu(kTimeMin, kEpoch + 2 * kSecond - kPeriod).empty());
     CHECK(r.stream.points(kTimeMin, kEpoch + 2 * kSecond - kSweep).empty());
     CHECK(std::abs(r.stream.last_imu() - (kEpoch + 5 * kSecond - kPeriod)) <= 2 * kPeriod);
     CHECK(std::abs(r.stream.last_point() - (kEpoch + 5 * kSecond - kSweep / 100)) <= 2 * kPeriod);
     const auto samples = r.stream.imu(kTimeMin, kTimeMax);
-    CHECK(samples.size() > 550);
+    CHECK(samples.size() > 950);  // those of before serve dead reckoning
     for (std::size_t i = 1; i < samples.size(); ++i) REQUIRE(samples[i].t > samples[i - 1].t);
     CHECK(r.stream.points(kTimeMin, kTimeMax).size() > 2600);
   }

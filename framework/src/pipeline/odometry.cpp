@@ -92,13 +92,12 @@ class Odometry::Loop {
                  update.state, update.spectrum,           record.n_matches, update.leaves_open()};
   }
 
-  /// What was there before a jump of the clock is gone, and how long ago it was is not known.
+  /// The points of before a jump of the clock are gone, and how long ago they were is not known.
   void note_clock_jumps() {
     for (; clock_jumps_ < stream_.clock_jumps().size(); ++clock_jumps_) {
       const stream::ClockJump& jump = stream_.clock_jumps()[clock_jumps_];
       if (!started()) continue;
       new_start_.reset();
-      reckoned_ = false;
       tracking_.observe_clock_jump(jump.t, jump.by);
     }
   }
@@ -176,7 +175,7 @@ class Odometry::Loop {
         tracking_.losses().back().t + start_offset_, believed_, {}, last_accepted_, config_.limits.max_speed};
     // Soon after a start in motion an estimator does not know yet how fast it is.
     const NavState& state = stages_.estimator->state();
-    if (reckoned_ && last_accepted_ - segment_begin_ >= kSecond && sound(state)) known.state = state;
+    if (last_accepted_ - segment_begin_ >= kSecond && sound(state)) known.state = state;
     return known;
   }
 
@@ -190,7 +189,6 @@ class Odometry::Loop {
     feedback_.t = initial.state.t;
     feedback_.state = initial.state;
     last_point_ = last_accepted_ = segment_begin_ = feedback_.t;
-    reckoned_ = true;
     believed_ = initial.state.pose();
     doubted_imu_.begin(initial.state);
     stream_.release(feedback_.t);
@@ -299,7 +297,6 @@ class Odometry::Loop {
   TimeNs last_point_ = 0, last_accepted_ = 0, segment_begin_ = 0;
   double usual_density_ = 0;           ///< points per second of the updates that were accepted
   std::optional<NewStart> new_start_;  ///< while lost
-  bool reckoned_ = true;               ///< IMU data since then are all there
   std::uint32_t sequence_ = 0, segment_ = 0;
 };
 

@@ -59,7 +59,8 @@ void MeasurementStream::decide_on_jump(const JumpGuard& guard, TimeNs last) {
   reset_clock();
 }
 
-/// Nothing of before has to do with what follows; time goes on where it ended.
+/// Points of before have nothing to do with what follows, and time goes on where it ended. IMU samples stay as long as
+/// dead reckoning asks for them: most clocks jump while the sensors go on.
 void MeasurementStream::reset_clock() {
   const bool by_imu = imu_jump_.pending;  // which knows it better
   const TimeNs by = by_imu ? imu_jump_.by : packet_jump_.by;
@@ -69,7 +70,6 @@ void MeasurementStream::reset_clock() {
   ++counters_.clock_jumps;
   clock_shift_ += shift;
   points_.forget(points_.size());
-  imu_.forget(imu_.size());
   sweeps_.clear();
   drop_held_packets();
   drop_held_imu();
@@ -81,8 +81,11 @@ void MeasurementStream::reset_clock() {
   if (last_cut_ == kTimeMin) {  // nothing has begun
     first_point_.reset();
     first_imu_.reset();
+    imu_.forget(imu_.size());
   }
-  release(end);
+  released_ = std::max(released_, end);
+  skipped_from_ = last_cut_;
+  skipped_until_ = end;
   auto packets = std::exchange(packets_after_jump_, {});
   auto samples = std::exchange(imu_after_jump_, {});
   for (ArrivedPacket& arrived : packets) {

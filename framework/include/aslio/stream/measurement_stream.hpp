@@ -57,7 +57,7 @@ class MeasurementStream final : public StreamView {
   explicit MeasurementStream(const ImuRange& range) : screen_(range) {}
 
   /// Points in any order. Three measurements in a row that agree tell that a clock jumped (> 1 s back or > 60 s ahead).
-  /// Where the other sensor's did, too, all that is kept is forgotten, and what follows is moved to go on in time
+  /// Where the other sensor's did, too, the points are forgotten, and what follows is moved to go on in time
   /// (clock_jumps()). Where the other sensor goes on for a second, or has sent nothing, the push()es throw DataError.
   /// Fewer are ignored and counted, and so is the first of all when the three after it agree against it. One of more
   /// than 1 s ahead is held until the next two of its sensor tell whether it was a pause, or at the end of the data the
