@@ -14,6 +14,16 @@ struct UnreadMotion {
   double acc;   ///< [(m/s^2)^2 / Hz]
 };
 
+/// What a body may do where a sample is marked (imu_fault), as squared densities of the noise of each axis of I.
+/// eq. MOT-12.
+struct DoubtedMotion {
+  DoubtedMotion(const ImuSample& from, const ImuSample& to);
+
+  bool any = false;
+  Vec3 gyro = Vec3::Zero();  ///< [(rad/s)^2 / Hz]
+  Vec3 acc = Vec3::Zero();   ///< [(m/s^2)^2 / Hz]
+};
+
 /// What the prediction of a filter is held to be worth.
 struct ImuNoisePreset {
   enum class Kind : std::uint8_t {

@@ -154,11 +154,14 @@ void PointwiseEskf::take_imu(const ImuSample& sample) {
   advance(sample.t);
   carry_covariance();
   SequentialUpdate update(now_.P);
+  const bool gyro = (sample.faults & imu_fault::gyro_dead) == 0, acc = (sample.faults & imu_fault::acc_dead) == 0;
   for (int i = 0; i < 3; ++i) {
-    if (!saturated(sample.gyro[i], params_.gyro_saturation)) {
+    const bool gyro_clipped = (sample.faults & imu_fault::clipped(false, i)) != 0;
+    const bool acc_clipped = (sample.faults & imu_fault::clipped(true, i)) != 0;
+    if (gyro && !gyro_clipped && !saturated(sample.gyro[i], params_.gyro_saturation)) {
       update.sum(pw::w + i, pw::b_w + i, now_.x.w[i] + now_.x.b_w[i] - sample.gyro[i], params_.gyro_variance);
     }
-    if (!saturated(sample.acc[i], params_.acc_saturation)) {
+    if (acc && !acc_clipped && !saturated(sample.acc[i], params_.acc_saturation)) {
       update.sum(pw::a + i, pw::b_a + i, now_.x.a[i] + now_.x.b_a[i] - sample.acc[i], params_.acc_variance);
     }
   }
@@ -220,7 +223,8 @@ ImuSample PointwiseEskf::between(const ImuSample& from, const ImuSample& to, dou
     return out;
   };
   return {from.t + static_cast<TimeNs>(std::llround(share * static_cast<double>(to.t - from.t))),
-          along(from.gyro, to.gyro, params_.gyro_saturation), along(from.acc, to.acc, params_.acc_saturation)};
+          along(from.gyro, to.gyro, params_.gyro_saturation), along(from.acc, to.acc, params_.acc_saturation),
+          static_cast<std::uint8_t>(from.faults | to.faults)};
 }
 
 /// The window's IMU samples after its begin, with others in between where they are far apart. What was interpolated at

@@ -49,6 +49,10 @@ void Preintegration::step(const ImuSample& from, const ImuSample& to, const NavS
   covariance = (F * covariance * F.transpose()).eval();
   covariance += gyro * G.leftCols<3>() * G.leftCols<3>().transpose();
   covariance += acc * G.rightCols<3>() * G.rightCols<3>().transpose();
+  if (const DoubtedMotion doubted(from, to); doubted.any) {  // eq. MOT-12
+    covariance += G.leftCols<3>() * (doubted.gyro / dt).asDiagonal() * G.leftCols<3>().transpose();
+    covariance += G.rightCols<3>() * (doubted.acc / dt).asDiagonal() * G.rightCols<3>().transpose();
+  }
   covariance.diagonal().segment<3>(3).array() += noise.integration * noise.integration * dt;
 
   // eq. PRE-2

@@ -53,6 +53,10 @@ void ImuTransition::apply(const ImuNoise& noise, StateMatrix& P) const {
   acc << position_factor * v_ba, v_ba;
   P.topLeftCorner<9, 9>().noalias() += noise.gyro * gyro * gyro.transpose();
   P.block<6, 6>(block::p, block::p).noalias() += noise.acc * acc * acc.transpose();
+  if (noise.uneven()) {  // eq. MOT-12
+    P.topLeftCorner<9, 9>() += gyro * noise.gyro_axes.asDiagonal() * gyro.transpose();
+    P.block<6, 6>(block::p, block::p) += acc * noise.acc_axes.asDiagonal() * acc.transpose();
+  }
   P.diagonal().segment<3>(block::b_w).array() += noise.gyro_bias * dt * dt;
   P.diagonal().segment<3>(block::b_a).array() += noise.acc_bias * dt * dt;
 }

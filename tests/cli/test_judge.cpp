@@ -113,6 +113,43 @@ TEST_CASE("malformed messages degrade a run when they are more than one in a tho
   CHECK(s.status == RunStatus::ok);
 }
 
+TEST_CASE("an IMU that is clipped, stuck or dead for more than a moment degrades a run") {
+  const std::pair<std::uint64_t stream::ImuFindings::*, const char*> faults[] = {
+      {&stream::ImuFindings::gyro_clipped, "gyroscope at the end of its range"},
+      {&stream::ImuFindings::acc_clipped, "accelerometer at the end of its range"},
+      {&stream::ImuFindings::stuck, "stuck"},
+      {&stream::ImuFindings::zero, "dead"}};
+  for (const auto& [counter, word] : faults) {
+    Summary s = good_run();
+    s.imu_period_s = 0.005;
+    s.counters.imu_found.*counter = 20;
+    judge_ended(s);
+    CHECK(s.status == RunStatus::ok);
+    s.counters.imu_found.*counter = 21;
+    judge_ended(s);
+    CHECK(s.status == RunStatus::degraded);
+    CHECK_THAT(s.reason, Contains(word) && Contains("(21 samples)"));
+  }
+  Summary s = good_run();
+  s.counters.imu_found.spikes = 1;
+  judge_ended(s);
+  CHECK(s.status == RunStatus::ok);
+  s.counters.imu_found.spikes = 2;
+  judge_ended(s);
+  CHECK_THAT(s.reason, Contains("2 IMU samples that are spikes dropped"));
+}
+
+TEST_CASE("points of lines that the sensor file does not know degrade a run when they are more than one in twenty") {
+  Summary s = good_run();
+  s.counters.points_beyond_lines = 50;
+  judge_ended(s);
+  CHECK(s.status == RunStatus::ok);
+  s.counters.points_beyond_lines = 60;
+  judge_ended(s);
+  CHECK(s.status == RunStatus::degraded);
+  CHECK_THAT(s.reason, Contains("60 points of a scan line beyond `scan_lines`"));
+}
+
 TEST_CASE("a run without an accepted update has failed, and says why") {
   Summary none = with(good_run(), kInitialising, 200);
   none.accepted = 0;

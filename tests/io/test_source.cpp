@@ -197,6 +197,42 @@ TEST_CASE("livox points that are noise, of an unknown line, or no return are dro
   CHECK(drain(*open_source(folder / "a.bag", all)).points == 5 * 20);
 }
 
+TEST_CASE("points of lines that the sensor file does not know are counted, and a warning names its key") {
+  TemporaryFolder folder;
+  for (const bool damaged : {false, true}) {
+    Recording recording;
+    recording.lidar = [damaged](int, TimeNs stamp) {
+      std::vector<rosbag::LivoxPoint> points(120, {1000, 5, 0, 0, 10, 0x10, 0});
+      for (std::size_t i = 0; i < 120; ++i) {
+        points[i].offset_time = static_cast<std::uint32_t>(800'000 * i);
+        points[i].line = static_cast<std::uint8_t>(i % 6);
+      }
+      if (damaged) points[4].x = points[5].x = 0;  // no returns, whatever their line
+      std::vector<std::uint8_t> out;
+      rosbag::encode_livox({0, stamp, ""}, stamp, 0, points, out);
+      return out;
+    };
+    recording.write(folder / "a.bag");
+    SensorConfig four;
+    four.model.scan_lines = 4;
+    const auto source = open_source(folder / "a.bag", four);
+    std::size_t beyond = 0, packets = 0;
+    while (const auto measurement = source->next()) {
+      const auto* packet = std::get_if<LidarPacket>(&*measurement);
+      if (packet == nullptr) continue;
+      ++packets;
+      beyond += packet->beyond_lines;
+      CHECK(packet->highest_line == 5);
+    }
+    CHECK(beyond == (damaged ? 38 : 40) * packets);
+    CHECK(contains(source->notes().warnings, "`scan_lines` is 4"));
+    CHECK(contains(source->notes().warnings, "from 4 to 5"));
+    const auto six = open_source(folder / "a.bag", {});
+    drain(*six);
+    CHECK_FALSE(contains(six->notes().warnings, "scan_lines"));
+  }
+}
+
 TEST_CASE("empty and one-point scans are delivered, zero times are refused") {
   TemporaryFolder folder;
   Recording recording;

@@ -258,3 +258,24 @@ TEST_CASE("tracking: no new start where it cannot help") {
   REQUIRE(later.tracking.lost());
   CHECK(later.tracking.may_restart());
 }
+
+TEST_CASE("tracking: an update for which no points came is no refusal, but silence") {
+  Tracking tracking(TrackingLimits{}, 0.1);
+  Update update;
+  update.accepted = true;
+  update.status = UpdateStatus::ok;
+  TimeNs t = kEpoch;
+  const auto observe = [&](bool without_view) {
+    tracking.observe(update, t, t + kTenth, without_view);
+    t += kTenth;
+  };
+  for (int i = 0; i < 5; ++i) observe(false);
+  update.accepted = false;
+  update.status = UpdateStatus::few_matches;
+  for (int i = 0; i < 9; ++i) {
+    observe(true);
+    CHECK(tracking.status() == TrackingStatus::ok);
+  }
+  for (int i = 0; i < 3; ++i) observe(true);
+  CHECK(tracking.lost());
+}

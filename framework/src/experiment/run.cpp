@@ -229,6 +229,7 @@ void gather(Summary& summary, const pipeline::Odometry& odometry, const io::Meas
   if (odometry.initialisation()) summary.initialisation = odometry.initialisation()->verdict;
   summary.notes = source.notes().verdicts;
   for (const std::string& warning : source.notes().warnings) summary.notes.push_back("warning: " + warning);
+  for (const std::string& warning : odometry.stream().warnings()) summary.notes.push_back("warning: " + warning);
   summary.malformed_lidar = source.notes().malformed_lidar;
   summary.malformed_imu = source.notes().malformed_imu;
   summary.losses = odometry.losses();
@@ -336,6 +337,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   }
   result.bad_data = blames_data(summary, loop);
   result.late_warnings = late_warnings(*source, told);
+  for (const std::string& warning : odometry.stream().warnings()) result.late_warnings.push_back(warning);
 
   write_texts(options.output, prepared.pipeline.resolved, to_json(manifest, options), summary);
   return result;

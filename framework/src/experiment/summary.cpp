@@ -83,6 +83,7 @@ Json counts(const Summary& s) {
               {"packet_time_jumps", c.packet_time_jumps},
               {"points", c.points},
               {"points_invalid", c.points_invalid},
+              {"points_beyond_lines", c.points_beyond_lines},
               {"points_stray", c.points_stray},
               {"points_before_start", c.points_before_start},
               {"points_late", c.points_late},
@@ -94,12 +95,19 @@ Json counts(const Summary& s) {
               {"imu_reordered", c.imu_reordered},
               {"imu_time_jumps", c.imu_time_jumps},
               {"imu_gaps", c.imu_gaps},
+              {"imu_spikes", c.imu_found.spikes},
+              {"imu_gyro_clipped", c.imu_found.gyro_clipped},
+              {"imu_acc_clipped", c.imu_found.acc_clipped},
+              {"imu_stuck", c.imu_found.stuck},
+              {"imu_zero", c.imu_found.zero},
+              {"clock_jumps", c.clock_jumps},
               {"malformed_messages", s.malformed_lidar + s.malformed_imu}};
   for (std::size_t i = 0; i < s.updates_by_status.size(); ++i) {
     const auto name = pipeline::name(static_cast<UpdateStatus>(i));
     out[fmt::format("updates_{}", name)] = s.updates_by_status[i];
   }
   out["updates_refused"] = sum(s.refused_by_status);
+  out["updates_without_view"] = s.updates_without_view;
   return out;
 }
 
@@ -165,6 +173,17 @@ std::string anomalies(const Summary& s) {
   dropped(c.imu_invalid, c.imu, "IMU samples that are not finite");
   dropped(c.imu_late, c.imu, "IMU samples that came too late");
   dropped(c.imu_time_jumps, c.imu, "IMU samples with an implausible stamp");
+  dropped(c.imu_found.spikes, c.imu, "IMU samples that are spikes");
+  const auto lasts = [&](std::uint64_t samples, std::string_view what) {
+    const double seconds = static_cast<double>(samples) * s.imu_period_s;
+    if (seconds > to_seconds(kDoubtedImu)) add(fmt::format("{} for {:.2f} s ({} samples)", what, seconds, samples));
+  };
+  lasts(c.imu_found.gyro_clipped, "gyroscope at the end of its range");
+  lasts(c.imu_found.acc_clipped, "accelerometer at the end of its range");
+  lasts(c.imu_found.stuck, "IMU stuck at one reading");
+  lasts(c.imu_found.zero, "IMU dead, all readings zero");
+  if (c.points_beyond_lines * 20 > c.points + c.points_beyond_lines)
+    add(fmt::format("{} points of a scan line beyond `scan_lines` of the sensor file dropped", c.points_beyond_lines));
   if (s.longest_imu_gap_s > to_seconds(kLongGap)) add(fmt::format("{:.2f} s without IMU data", s.longest_imu_gap_s));
   if (s.longest_lidar_gap_s > to_seconds(kLongGap)) add(fmt::format("{:.2f} s without points", s.longest_lidar_gap_s));
   return text;

@@ -72,6 +72,8 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
                                            (record.update->insert && !record.update->points(Tap::map).empty()));
   if (record.update->accepted || starts_map) {
     covered_ += plan.end - plan.fresh_begin;
+  } else if (record.without_view) {
+    ++without_view_;
   } else if (!initialising) {
     ++refused_[static_cast<std::size_t>(record.status)];
     refused_after_accepted_ = refused_after_accepted_ || accepted_ > 0;
@@ -92,10 +94,12 @@ std::optional<TimeNs> SummaryCollector::lost_at(TimeNs end) const {
 void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& stream, std::optional<TimeNs> data_end,
                             TimeNs max_gap) const {
   summary.counters = stream.counters();
+  summary.imu_period_s = to_seconds(stream.imu_period());
   summary.updates = updates_;
   summary.weak_share = windows_ > 0 ? to_seconds(weak_) / to_seconds(windows_) : 0.0;
   summary.updates_by_status = by_status_;
   summary.refused_by_status = refused_;
+  summary.updates_without_view = without_view_;
   summary.accepted = accepted_;
   summary.matchable_points = matchable_points_;
   summary.refused_after_accepted = refused_after_accepted_;

@@ -102,7 +102,7 @@ class TopicChooser {
 class BagSource final : public MeasurementSource {
  public:
   BagSource(const std::filesystem::path& path, const SensorConfig& sensor, const Section& section)
-      : path_(path), reader_(path), gyro_unit_(sensor.gyro_unit) {
+      : path_(path), reader_(path), scan_lines_(sensor.model.scan_lines), gyro_unit_(sensor.gyro_unit) {
     refuse_without_message();
     const TopicChooser chooser(path, reader_);
     const auto lidar = chooser.choose("LiDAR", "lidar_topic", sensor.lidar_topic, &is_lidar,
@@ -149,6 +149,7 @@ class BagSource final : public MeasurementSource {
   void conclude() override {
     add_reader_warnings();
     judge_all_imu();
+    judge_lines();
   }
 
   /// What is cut off behind the section is nothing that was asked for.
@@ -277,7 +278,19 @@ class BagSource final : public MeasurementSource {
       skip("LiDAR", notes_.malformed_lidar, why);
       return std::nullopt;
     }
+    points_ += packet.points.size();
+    beyond_lines_ += packet.beyond_lines;
+    highest_line_ = std::max(highest_line_, packet.highest_line);
     return packet;
+  }
+
+  /// Lines that the sensor does not have are damage, if they are few, or those of another sensor.
+  void judge_lines() {
+    if (beyond_lines_ * 1000 <= points_) return;
+    warn(lines_warning_,
+         fmt::format("{} of {} points are of scan lines from {} to {} and were dropped: `scan_lines` is {} "
+                     "in the sensor file; is it that of this sensor?",
+                     beyond_lines_, points_ + beyond_lines_, scan_lines_, highest_line_, scan_lines_));
   }
 
   /// `count`: of the malformed messages of that role.
@@ -315,8 +328,11 @@ class BagSource final : public MeasurementSource {
   TimeNs newest_imu_ = kTimeMin, newest_lidar_ = kTimeMin;
   std::uint32_t sweeps_ = 0;
   std::size_t reader_warnings_ = 0;
-  std::optional<std::size_t> skip_warning_, too_fast_warning_, doubt_warning_;  ///< places in the notes
+  std::optional<std::size_t> skip_warning_, too_fast_warning_, doubt_warning_, lines_warning_;  ///< places in the notes
   std::string first_skipped_;
+  std::uint64_t points_ = 0, beyond_lines_ = 0;  ///< taken; dropped for their line alone
+  int scan_lines_;
+  std::uint8_t highest_line_ = 0;  ///< of those that were dropped
   GyroUnit gyro_unit_;
   decode::GyroRange gyro_range_;
 };

@@ -58,6 +58,20 @@ void release_velocity(InitialState& initial) {
   initial.sigma_velocity = 3.0;
 }
 
+bool is_dead(const ImuSample& s) { return (s.faults & (imu_fault::gyro_dead | imu_fault::acc_dead)) != 0; }
+
+/// An IMU that has read nothing for as long as initialisation takes.
+void refuse_dead_imu(const stream::MeasurementStream& stream, double time) {
+  const auto all = stream.imu(kTimeMin, kTimeMax);
+  if (all.size() < 2 || all.back().t - all.front().t < to_ns(time) || !std::all_of(all.begin(), all.end(), is_dead))
+    return;
+  throw DataError(
+      fmt::format("initialisation: the IMU is dead: all {} samples of its first {:.2f} s are zero, gravity included; "
+                  "check its cable "
+                  "and driver, or take a pipeline that uses no IMU (kiss_icp)",
+                  all.size(), to_seconds(all.back().t - all.front().t)));
+}
+
 }  // namespace
 
 Averages average(std::span<const ImuSample> samples) {
@@ -149,10 +163,13 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
     return samples_over(stream, begin + offset, kTimeMax, params.time, *first_point + offset);
   };
   auto used = samples_from(std::max(*first_imu, *first_point - to_ns(params.time)));
+  refuse_dead_imu(stream, params.time);
   while (!used.empty()) {
+    // What was measured before a gap says nothing of after, and what a dead sensor reads says nothing at all.
     const auto gap = std::adjacent_find(used.begin(), used.end(), is_gap);
-    if (gap == used.end()) break;
-    used = samples_from(std::next(gap)->t);  // what was measured before a gap says nothing of after
+    const auto dead = std::find_if(used.begin(), used.end(), is_dead);
+    if (gap == used.end() && dead == used.end()) break;
+    used = samples_from(gap != used.end() ? std::next(gap)->t : dead->t + 1);
   }
   if (used.empty()) return std::nullopt;
   const Averages mean = average(used);

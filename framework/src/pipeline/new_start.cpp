@@ -76,6 +76,13 @@ std::optional<Initialisation> NewStart::find(const stream::MeasurementStream& st
       from_ = std::next(gap)->t;
       continue;
     }
+    const auto dead = std::find_if(used.begin(), used.end(), [](const ImuSample& s) {
+      return (s.faults & (imu_fault::gyro_dead | imu_fault::acc_dead)) != 0;
+    });
+    if (dead != used.end()) {
+      from_ = dead->t + 1;
+      continue;
+    }
     from_ = used.back().t;
     const Averages mean = average(used);
     // That the recording starts at rest says nothing of later.

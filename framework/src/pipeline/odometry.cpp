@@ -7,6 +7,7 @@
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/pipeline/new_start.hpp"
 #include "aslio/pipeline/stage_set.hpp"
+#include "doubted_imu.hpp"
 #include "prior_probe.hpp"
 
 namespace aslio::pipeline {
@@ -29,6 +30,7 @@ class Odometry::Loop {
         sensor_(context.sensor),
         start_offset_(start_offset(context.order_seed)),
         anew_{context.exec, sensor_, context.log, context.order_seed, true},
+        stream_(stream::ImuRange{sensor_.gyro_range, sensor_.acc_range}),
         tracking_(config.limits, context.sensor.sweep_period) {
     take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
@@ -52,7 +54,8 @@ class Odometry::Loop {
   }
 
   void step(const WindowPlan& plan, UpdateRecord& record) {
-    const Window window = stream_.cut(plan, ++sequence_);
+    Window window = stream_.cut(plan, ++sequence_);
+    doubted_imu_.mend(window, feedback_.state);
     const HistorySelection past = stages_.history->select(window);
     {
       const CpuTimer timer(record.times.insert);
@@ -76,15 +79,27 @@ class Odometry::Loop {
     }
     // A gap at the begin of the window is no time in which the estimator failed: its silence begins with the data.
     const TimeNs data_begin = window.fresh.empty() ? plan.fresh_begin : window.fresh.front().t;
-    tracking_.observe(update, data_begin, plan.end);
+    record.without_view = lacks_view(window, update);
+    tracking_.observe(update, data_begin, plan.end, record.without_view);
     // One that is lost by silence has a dead-reckoned pose; one that is lost by its state, the last that was accepted.
     if (tracking_.lost() ? sound(update.state) : update.accepted) believed_ = update.state.pose();
     if (update.accepted && !tracking_.lost()) last_accepted_ = plan.end;
+    doubted_imu_.observe(update.state);
     report(window, past, update, record);
     // Of a map that has begun anew nothing is known.
     const OverlapScore overlap = update.restart_map ? OverlapScore{} : record.overlap;
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,    overlap,
                  update.state, update.spectrum,           record.n_matches, update.leaves_open()};
+  }
+
+  /// The points of before a jump of the clock are gone, and how long ago they were is not known.
+  void note_clock_jumps() {
+    for (; clock_jumps_ < stream_.clock_jumps().size(); ++clock_jumps_) {
+      const stream::ClockJump& jump = stream_.clock_jumps()[clock_jumps_];
+      if (!started()) continue;
+      new_start_.reset();
+      tracking_.observe_clock_jump(jump.t, jump.by);
+    }
   }
 
   void finish() {
@@ -197,6 +212,7 @@ class Odometry::Loop {
     feedback_.state = initial.state;
     last_point_ = last_accepted_ = segment_begin_ = feedback_.t;
     believed_ = initial.state.pose();
+    doubted_imu_.begin(initial.state);
     stream_.release(feedback_.t);
   }
 
@@ -218,6 +234,15 @@ class Odometry::Loop {
       }
     }
     last_point_ = points.back().t;
+  }
+
+  /// Whether an update was refused because hardly any points came, where usually many do.
+  bool lacks_view(const Window& window, const Update& update) {
+    constexpr double kHardlyAny = 0.1, kShare = 0.05;
+    const double length = to_seconds(window.plan.end - window.plan.fresh_begin);
+    const double density = static_cast<double>(window.fresh.size()) / std::max(length, 1e-3);
+    if (update.accepted) usual_density_ += (usual_density_ > 0 ? kShare : 1.0) * (density - usual_density_);
+    return update.status == UpdateStatus::few_matches && density < kHardlyAny * usual_density_;
   }
 
   bool sound(const NavState& state) const {
@@ -281,6 +306,8 @@ class Odometry::Loop {
   TimeNs start_offset_;
   BuildContext anew_;  ///< of the stages after a loss
   stream::MeasurementStream stream_;
+  DoubtedImu doubted_imu_;
+  std::size_t clock_jumps_ = 0;  ///< of the stream, that the tracking knows of
   StageSet stages_;
   std::optional<PriorProbe> probe_;
   double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
@@ -290,6 +317,7 @@ class Odometry::Loop {
   Feedback feedback_;
   Pose believed_;  ///< T_W_I where the run begins anew if it is lost now
   TimeNs last_point_ = 0, last_accepted_ = 0, segment_begin_ = 0;
+  double usual_density_ = 0;           ///< points per second of the updates that were accepted
   std::optional<NewStart> new_start_;          ///< while lost
   std::optional<Initialisation> found_start_;  ///< by it, not yet confirmed by the sweeps
   std::uint32_t sequence_ = 0, segment_ = 0;
@@ -310,6 +338,7 @@ void Odometry::push(Measurement&& measurement) {
   } else {
     loop_->stream_.push(std::get<ImuSample>(measurement));
   }
+  loop_->note_clock_jumps();
   loop_->run_available();
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace aslio::pipeline {
 
@@ -28,6 +29,14 @@ void Tracking::observe_silent_imu(TimeNs t) {
   diverge(t + 1, true, fmt::format("no IMU data for more than max_gap {:g} s from then on", limits_.max_gap));
 }
 
+void Tracking::observe_clock_jump(TimeNs t, TimeNs by) {
+  diverge(
+      t + 1, true,
+      fmt::format("the clock of the sensors jumped {} by {:.1f} s; later stamps are moved {} by as much, so that time "
+                  "goes on",
+                  by < 0 ? "back" : "ahead", std::abs(to_seconds(by)), by < 0 ? "ahead" : "back"));
+}
+
 void Tracking::restart(TimeNs t) {
   losses_.back().restarted = t;
   status_ = TrackingStatus::recovering;
@@ -36,7 +45,7 @@ void Tracking::restart(TimeNs t) {
   begin(t);
 }
 
-void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
+void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool without_view) {
   // A gap in the data is no fault of the estimator, wherever it lies among refused windows.
   const bool without_gap = last_end_ > kTimeMin && begin - last_end_ <= no_gap_;
   const TimeNs length = end - (without_gap ? last_end_ : begin);
@@ -74,9 +83,11 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end) {
     status_ = was_well || accepted_in_a_row_ >= kRecovered ? TrackingStatus::ok : TrackingStatus::recovering;
     return;
   }
-  accepted_in_a_row_ = 0;
   silence_ += length;
-  status_ = TrackingStatus::degraded;
+  if (!without_view) {
+    accepted_in_a_row_ = 0;
+    status_ = TrackingStatus::degraded;
+  }
   if (silence_ > max_silence_) {
     diverge(
         end, true,

@@ -63,17 +63,26 @@ JumpGuard::Verdict JumpGuard::judge(TimeNs begin, TimeNs end, TimeNs last, bool 
   const bool continues = in_a_row_ > 0 && begin > rejected_ && begin - rejected_ <= kMaxStepBack;
   in_a_row_ = continues ? in_a_row_ + 1 : 1;
   rejected_ = begin;
+  if (in_a_row_ == 1) first_rejected_ = begin;
+  if (in_a_row_ == kConfirmations) third_rejected_ = begin;
   if (in_a_row_ < kConfirmations) return Verdict::ignore;
-  if (sole) {
-    in_a_row_ = 0;
-    held_ = 0;
-    return Verdict::begin;
-  }
-  const bool back = end < last;
-  const double jump = to_seconds(back ? last - begin : begin - last);
+  if (!sole) return Verdict::jumped;
+  in_a_row_ = 0;
+  held_ = 0;
+  return Verdict::begin;
+}
+
+void JumpGuard::fail(TimeNs last) const {
+  const bool back = third_rejected_ < last;
+  const double jump = to_seconds(back ? last - third_rejected_ : third_rejected_ - last);
   throw DataError(
       fmt::format("{} clock jumped {} by {:.1f} s at {}.{:09} s ({} stamps in a row agree); split the recording there",
                   what_, back ? "back" : "ahead", jump, last / kSecond, std::abs(last % kSecond), kConfirmations));
+}
+
+void JumpGuard::forget() {
+  held_ = 0;
+  in_a_row_ = 0;
 }
 
 void StepMedian::add(TimeNs step) {

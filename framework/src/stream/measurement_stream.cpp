@@ -9,7 +9,8 @@ constexpr TimeNs kGapPeriods = 5;
 
 ImuSample interpolated(const ImuSample& a, const ImuSample& b, TimeNs t) {
   const double u = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
-  return {t, a.gyro + u * (b.gyro - a.gyro), a.acc + u * (b.acc - a.acc)};
+  return {t, a.gyro + u * (b.gyro - a.gyro), a.acc + u * (b.acc - a.acc),
+          static_cast<std::uint8_t>(a.faults | b.faults)};
 }
 
 /// Written so that a NaN fails.
@@ -20,21 +21,29 @@ bool possible(const ImuSample& s) {
 
 }  // namespace
 
-MeasurementStream::MeasurementStream() = default;
-
 void MeasurementStream::push(LidarPacket&& packet) {
   ++counters_.packets;
   counters_.points_invalid += packet.dropped_invalid;
+  counters_.points_beyond_lines += packet.beyond_lines;
   std::vector<TimedPoint>& points = packet.points;
   const std::size_t size = points.size();
-  PacketFindings findings = sorter_.sort(points, last_point_);
+  const PacketFindings findings = sorter_.sort(points, last_point_ == kTimeMin ? kTimeMin : last_point_ - clock_shift_);
   counters_.points_invalid += findings.invalid;
   counters_.points_stray += findings.stray;
   if (points.empty()) {
     ++counters_.empty_packets;
     return;
   }
+  if (clock_shift_ != 0) {
+    packet.stamp += clock_shift_;
+    for (TimedPoint& p : points) p.t += clock_shift_;
+  }
   const PacketKey key{packet.stamp, points.front().t, points.back().t, size};
+  admit(ArrivedPacket{std::move(packet), key, findings.reordered});
+}
+
+void MeasurementStream::admit(ArrivedPacket&& arrived) {
+  const PacketKey key = arrived.key;
   const bool copy_of_held =  // which confirms nothing
       std::any_of(held_packets_.begin(), held_packets_.end(), [&](const ArrivedPacket& p) { return p.key == key; });
   if (!copy_of_held && packet_guard_.confirms(key.first, key.last)) take_held_packets();
@@ -49,11 +58,12 @@ void MeasurementStream::push(LidarPacket&& packet) {
   const JumpGuard::Verdict verdict =
       last_point_ == kTimeMin ? JumpGuard::Verdict::take : packet_guard_.judge(key.first, key.last, last_point_, sole);
   if (verdict == JumpGuard::Verdict::ignore) return;
+  if (verdict == JumpGuard::Verdict::jumped) return keep_after_jump(std::move(arrived));
+  note_usual(packet_jump_, imu_jump_, imu_guard_, last_imu_, key.first);
   if (verdict == JumpGuard::Verdict::begin) {
     forget_first_packet();
-    findings.reordered = 0;  // against the first one
+    arrived.reordered = 0;  // against the first one
   }
-  ArrivedPacket arrived{std::move(packet), key, findings.reordered};
   if (verdict != JumpGuard::Verdict::hold_too) drop_held_packets();
   if (verdict == JumpGuard::Verdict::hold || verdict == JumpGuard::Verdict::hold_too)
     held_packets_.push_back(std::move(arrived));
@@ -110,6 +120,12 @@ void MeasurementStream::push(const ImuSample& sample) {
     ++counters_.imu_invalid;
     return;
   }
+  ImuSample moved = sample;
+  moved.t += clock_shift_;
+  admit(moved);
+}
+
+void MeasurementStream::admit(const ImuSample& sample) {
   if (first_imu_) {
     const auto same_time = [&](const ImuSample& held) { return held.t == sample.t; };
     if (std::any_of(held_imu_.begin(), held_imu_.end(), same_time)) {  // a copy, which confirms nothing
@@ -121,6 +137,8 @@ void MeasurementStream::push(const ImuSample& sample) {
     const bool sole = counters_.imu == 1 && last_cut_ == kTimeMin;
     const JumpGuard::Verdict verdict = imu_guard_.judge(sample.t, sample.t, last_imu_, sole);
     if (verdict == JumpGuard::Verdict::ignore) return;
+    if (verdict == JumpGuard::Verdict::jumped) return keep_after_jump(sample);
+    note_usual(imu_jump_, packet_jump_, packet_guard_, last_point_, sample.t);
     if (verdict == JumpGuard::Verdict::begin) forget_first_imu();
     if (verdict != JumpGuard::Verdict::hold_too) drop_held_imu();
     if (verdict == JumpGuard::Verdict::hold || verdict == JumpGuard::Verdict::hold_too) {
@@ -128,12 +146,25 @@ void MeasurementStream::push(const ImuSample& sample) {
       return;
     }
   }
-  take(sample);
+  screen(sample);
+}
+
+/// Copies and samples that come too late are none that the screen should see.
+void MeasurementStream::screen(const ImuSample& sample) {
+  const std::size_t until = imu_.count_until(sample.t);
+  const bool copy = screen_.holds(sample.t) || (until > 0 && imu_.all()[until - 1].t == sample.t);
+  if (copy || sample.t <= closed_until()) return take(sample);
+  take(screen_.push(sample));
+}
+
+void MeasurementStream::take(std::span<const ImuSample> judged) {
+  for (const ImuSample& sample : judged) take(sample);
+  counters_.imu_found = screen_.findings();
 }
 
 void MeasurementStream::take(const ImuSample& sample) {
   const std::size_t until = imu_.count_until(sample.t);
-  if (until > 0 && imu_.all()[until - 1].t == sample.t) {
+  if (screen_.holds(sample.t) || (until > 0 && imu_.all()[until - 1].t == sample.t)) {
     ++counters_.imu_duplicate;
     return;
   }
@@ -167,6 +198,7 @@ void MeasurementStream::forget_first_packet() {
 void MeasurementStream::forget_first_imu() {
   --counters_.imu;
   imu_.forget(imu_.size());
+  screen_.forget();
   first_imu_.reset();
   last_imu_ = kTimeMin;
 }
@@ -177,7 +209,7 @@ void MeasurementStream::take_held_packets() {
 }
 
 void MeasurementStream::take_held_imu() {
-  for (const ImuSample& held : held_imu_) take(held);
+  for (const ImuSample& held : held_imu_) screen(held);
   held_imu_.clear();
 }
 
@@ -198,6 +230,7 @@ void MeasurementStream::finish() {
   if (!held_imu_.empty() && last_point_ > held_imu_.front().t - kMaxStepBack) take_held_imu();
   drop_held_packets();
   drop_held_imu();
+  take(screen_.finish());
   finished_ = true;
 }
 

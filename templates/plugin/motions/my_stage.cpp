@@ -54,8 +54,8 @@ void MyStage::propagate_covariance(const NavState& before, const ImuSample& from
   Eigen::Matrix<double, kStateDim, 12> G;
   linearise(before, from, to, F, G);
   Eigen::Matrix<double, 12, 1> q;
-  q << Vec3::Constant(noise.gyro), Vec3::Constant(noise.acc), Vec3::Constant(noise.gyro_bias),
-      Vec3::Constant(noise.acc_bias);
+  q << Vec3::Constant(noise.gyro) + noise.gyro_axes, Vec3::Constant(noise.acc) + noise.acc_axes,
+      Vec3::Constant(noise.gyro_bias), Vec3::Constant(noise.acc_bias);
   const StateMatrix moved = F * P;
   P.noalias() = moved * F.transpose();
   P.noalias() += G * q.asDiagonal() * G.transpose();

@@ -112,10 +112,15 @@ TEST_CASE("every motion model: covariance propagation equals the dense F P F^T +
     for (int j = 0; j < kStateDim; ++j) A(i, j) = std::sin(1.7 * i + 0.9 * j + 0.3 * i * j);
   }
   const StateMatrix P = A * A.transpose();
-  const ImuNoise noise{1e-2, 2e-1, 3e-3, 4e-3};
+  ImuNoise noise{1e-2, 2e-1, 3e-3, 4e-3};
+  const bool uneven = GENERATE(false, true);  // eq. MOT-12
+  if (uneven) {
+    noise.gyro_axes = Vec3(0, 3, 0.5);
+    noise.acc_axes = Vec3(2, 0, 0);
+  }
   Eigen::Matrix<double, 12, 1> q;
-  q << Vec3::Constant(noise.gyro), Vec3::Constant(noise.acc), Vec3::Constant(noise.gyro_bias),
-      Vec3::Constant(noise.acc_bias);
+  q << Vec3::Constant(noise.gyro) + noise.gyro_axes, Vec3::Constant(noise.acc) + noise.acc_axes,
+      Vec3::Constant(noise.gyro_bias), Vec3::Constant(noise.acc_bias);
   for (const std::string& type : f.all()) {
     INFO(type);
     const auto motion = f.make(type);

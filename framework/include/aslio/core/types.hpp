@@ -13,11 +13,20 @@ namespace aslio {
 /// Standard gravity [m/s^2]; the only value of g in the code.
 inline constexpr double kStandardGravity = 9.80665;
 
+/// What is known to be wrong with an IMU sample. Bit i (0 to 2): axis i of the gyro is at the end of its range; bit
+/// 3 + i: axis i of the accelerometer is.
+namespace imu_fault {
+inline constexpr std::uint8_t gyro_clipped = 0x07, acc_clipped = 0x38;
+inline constexpr std::uint8_t gyro_dead = 0x40, acc_dead = 0x80;  ///< stuck, or zero: it reads nothing
+constexpr std::uint8_t clipped(bool acc, int axis) { return static_cast<std::uint8_t>(1U << ((acc ? 3 : 0) + axis)); }
+}  // namespace imu_fault
+
 /// One IMU sample in the IMU frame I: angular rate [rad/s], specific force [m/s^2].
 struct ImuSample {
   TimeNs t = 0;
   Vec3 gyro = Vec3::Zero();
   Vec3 acc = Vec3::Zero();
+  std::uint8_t faults = 0;  ///< bits of imu_fault; what is interpolated has those of both its neighbours
 };
 
 /// One return in the LiDAR frame L at its own time. 40 bytes.

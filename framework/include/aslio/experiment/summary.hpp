@@ -26,6 +26,9 @@ inline constexpr double kMaxWeakShare = 0.25;
 /// A step between IMU samples, or between points, beyond this makes a run `degraded` [ns].
 inline constexpr TimeNs kLongGap = kSecond / 2;
 
+/// IMU readings that are clipped, stuck or zero for more than this in all make a run `degraded` [ns].
+inline constexpr TimeNs kDoubtedImu = kSecond / 10;
+
 /// Minimum, median and maximum of the rate of updates [Hz]; windows that a gap or the end cut short do not count.
 struct RateRange {
   double min = 0, median = 0, max = 0;
@@ -44,12 +47,14 @@ struct Summary {
   std::uint64_t malformed_lidar = 0, malformed_imu = 0;  ///< messages that the reader could not decode and left out
   std::array<std::uint64_t, 6> updates_by_status{};      ///< by UpdateStatus
   std::array<std::uint64_t, 6> refused_by_status{};      ///< of them, those refused: after the map had its first points
+  std::uint64_t updates_without_view = 0;                ///< hardly any points came, which is no refusal
   std::uint64_t accepted = 0;                            ///< updates that corrected the state
   std::uint64_t matchable_points = 0;                    ///< points that the samplers left to match, of all updates
   bool refused_after_accepted = false;                   ///< some update was refused after the first accepted one
   double weak_share = 0;                                 ///< of the time of all windows, that of weak updates
   std::uint64_t updates = 0;
   double longest_imu_gap_s = 0, longest_lidar_gap_s = 0;
+  double imu_period_s = 0;  ///< between IMU samples, as a rule
   std::optional<RateRange> rate_hz;
   double path_length_m = 0;
   double cpu_s = 0;   ///< process CPU time of the loop: reading, updates and writing
@@ -117,7 +122,7 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   double path_length_ = 0;  ///< [m]
   StepCounts steps_;        ///< between the ends of consecutive whole windows
   std::array<std::uint64_t, 6> by_status_{}, refused_{};
-  std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0;
+  std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0, without_view_ = 0;
   TimeNs covered_ = 0;
   std::optional<TimeNs> first_begin_;
   std::optional<Calibration> calibration_;

@@ -30,7 +30,8 @@ struct TrackingLimits {
 ///   degraded -> lost            after more than max_silence of refused updates
 ///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
 ///                               max_gap: dead reckoning is then off by more than what a match can make good; and with
-///                               an IMU that is silent for as long, which leaves nothing to predict from
+///                               an IMU that is silent for as long, which leaves nothing to predict from; and where
+///                               the clock of all sensors jumps
 ///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted updates
 class Tracking {
  public:
@@ -40,12 +41,15 @@ class Tracking {
 
   /// The data up to `t` are no part of what follows.
   void begin(TimeNs t) { last_end_ = t; }
-  /// Takes the outcome of an update over the fresh data of [begin, end].
-  void observe(const Update& update, TimeNs begin, TimeNs end);
+  /// Takes the outcome of an update over the fresh data of [begin, end]. One that was refused because hardly any points
+  /// came (`without_view`) is no fault: it counts as silence alone.
+  void observe(const Update& update, TimeNs begin, TimeNs end, bool without_view = false);
   /// There were no points within (begin, end). Lost, if that is too long.
   void observe_gap(TimeNs begin, TimeNs end);
   /// There are no IMU data for more than max_gap after `t`, or none ever: lost.
   void observe_silent_imu(TimeNs t);
+  /// The clock of all sensors jumped by `by` [ns] after `t`: lost.
+  void observe_clock_jump(TimeNs t, TimeNs by);
   /// The run goes on from a new first state at `t`. Pre: lost.
   void restart(TimeNs t);
 

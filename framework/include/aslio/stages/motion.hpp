@@ -20,13 +20,19 @@ namespace block {
 inline constexpr int theta = 0, p = 3, v = 6, b_w = 9, b_a = 12, g = 15, s = 18, d = 27;
 }
 
-/// Noise of one IMU interval as discrete per-sample variances of (n_w, n_a, n_bw, n_ba), isotropic per block. A
-/// continuous density sigma_c enters as sigma_c^2 / dt (docs/equations.md MOT-3).
+/// Noise of one IMU interval as discrete per-sample variances of (n_w, n_a, n_bw, n_ba), isotropic per block but for
+/// what single axes have beyond it. A continuous density sigma_c enters as sigma_c^2 / dt (docs/equations.md MOT-3).
 struct ImuNoise {
   double gyro = 0;       ///< [(rad/s)^2]
   double acc = 0;        ///< [(m/s^2)^2]
   double gyro_bias = 0;  ///< of the bias rate [(rad/s^2)^2]
   double acc_bias = 0;   ///< of the bias rate [(m/s^3)^2]
+  /// What axes of I have beyond `gyro` and `acc`, where a sample is not believed (MOT-12). Zero as a rule.
+  Vec3 gyro_axes = Vec3::Zero();  ///< [(rad/s)^2]
+  Vec3 acc_axes = Vec3::Zero();   ///< [(m/s^2)^2]
+
+  /// Whether an axis has more noise than another.
+  bool uneven() const { return gyro_axes.maxCoeff() > 0 || acc_axes.maxCoeff() > 0; }
 };
 
 /// One integration interval [t, t + dt] with constant world acceleration and a corrected rate that changes evenly:

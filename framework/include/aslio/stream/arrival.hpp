@@ -26,8 +26,8 @@ inline constexpr double kMaxRate = 1e5, kMaxForce = 1e6;
 /// A stamp that arithmetic can be done with.
 constexpr bool sane_stamp(TimeNs t) { return t > -kMaxStamp && t < kMaxStamp; }
 
-/// Tells a wild stamp or two, which are to be ignored, from a pause of the data, and from a clock that really jumped,
-/// which no odometry can bridge: what three stamps in a row agree on is believed.
+/// Tells a wild stamp or two, which are to be ignored, from a pause of the data, and from a clock that really jumped:
+/// what three stamps in a row agree on is believed.
 class JumpGuard {
  public:
   enum class Verdict {
@@ -36,6 +36,7 @@ class JumpGuard {
     hold,      ///< a pause or a wild stamp, as the next ones will tell; drop what is held already
     hold_too,  ///< with what is held already, as it agrees with that
     begin,     ///< the only measurement before had the wild stamp: forget that one and take this
+    jumped,    ///< the clock: this one and the two before agree on it
   };
 
   explicit JumpGuard(std::string what) : what_(std::move(what)) {}
@@ -46,8 +47,14 @@ class JumpGuard {
   /// [begin, end] after `last`.
   bool implausible(TimeNs begin, TimeNs end, TimeNs last) const;
   /// Of a measurement of [begin, end] after `last`. At the third implausible stamp in a row that continues the one
-  /// before: `begin` when only one measurement has been taken (`sole`), else throws DataError.
+  /// before, and at those that follow it: `begin` when only one measurement has been taken (`sole`), else `jumped`.
   Verdict judge(TimeNs begin, TimeNs end, TimeNs last, bool sole);
+  /// Where the stamps begin that agree on a jump. Pre: the last verdict was `jumped`.
+  TimeNs jumped_to() const { return first_rejected_; }
+  /// Throws the DataError of a clock that jumped after `last` while the other sensor's did not.
+  [[noreturn]] void fail(TimeNs last) const;
+  /// What comes next is judged by itself.
+  void forget();
 
  private:
   bool agrees_with_held(TimeNs begin, TimeNs end) const;
@@ -55,7 +62,7 @@ class JumpGuard {
   std::string what_;
   int held_ = 0;         ///< measurements that wait for others that agree
   TimeNs held_end_ = 0;  ///< of the last of them
-  TimeNs rejected_ = 0;
+  TimeNs rejected_ = 0, first_rejected_ = 0, third_rejected_ = 0;
   int in_a_row_ = 0;
 };
 

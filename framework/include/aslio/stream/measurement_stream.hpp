@@ -11,6 +11,7 @@
 #include "aslio/core/measurement.hpp"
 #include "aslio/stages/window.hpp"
 #include "aslio/stream/arrival.hpp"
+#include "aslio/stream/imu_screen.hpp"
 #include "aslio/stream/time_ordered.hpp"
 
 namespace aslio::stream {
@@ -22,10 +23,11 @@ struct StreamCounters {
   std::uint64_t duplicate_packets = 0;  ///< stamp, size and time extent of a recent packet: ignored
   /// Implausibly far from the last point (> 1 s back, > 60 s ahead, or > 1 s ahead of all that follow): ignored.
   std::uint64_t packet_time_jumps = 0;
-  std::uint64_t points = 0;          ///< accepted
-  std::uint64_t points_invalid = 0;  ///< not finite, absurdly far (> 1e5 m), or dropped by the decoder
-  std::uint64_t points_stray = 0;    ///< time more than 1 s away from the body of the packet: dropped
-  std::uint64_t points_late = 0;     ///< before the last cut: dropped
+  std::uint64_t points = 0;               ///< accepted
+  std::uint64_t points_invalid = 0;       ///< not finite, absurdly far (> 1e5 m), or dropped by the decoder
+  std::uint64_t points_beyond_lines = 0;  ///< of those that the decoder dropped, for their line number alone
+  std::uint64_t points_stray = 0;         ///< time more than 1 s away from the body of the packet: dropped
+  std::uint64_t points_late = 0;          ///< before the last cut: dropped
   /// Of a time that was released though no window was cut from it, such as those of a message that reaches over the
   /// start of the odometry, or over a new one after a loss: dropped, and no anomaly.
   std::uint64_t points_before_start = 0;
@@ -36,18 +38,30 @@ struct StreamCounters {
   std::uint64_t imu_late = 0;          ///< before the last cut: dropped
   std::uint64_t imu_reordered = 0;
   std::uint64_t imu_time_jumps = 0;                     ///< as packet_time_jumps
+  std::uint64_t clock_jumps = 0;                        ///< of both sensors together
+  ImuFindings imu_found;                                ///< of the readings
   std::uint64_t imu_gaps = 0;                           ///< steps longer than 5 median periods, as they arrived
   TimeNs longest_imu_step = 0, longest_point_step = 0;  ///< of accepted ones, as they arrived [ns]
 };
 
+/// The clock of both sensors jumped.
+struct ClockJump {
+  TimeNs t = 0;   ///< the last time before, as of all that came before
+  TimeNs by = 0;  ///< ahead where it is positive [ns]
+};
+
 class MeasurementStream final : public StreamView {
  public:
-  MeasurementStream();
+  MeasurementStream() = default;
+  /// `range`: of the IMU, as far as it is known.
+  explicit MeasurementStream(const ImuRange& range) : screen_(range) {}
 
-  /// Points in any order. The push()es throw DataError when three measurements in a row agree that the clock jumped
-  /// (> 1 s back or > 60 s ahead); fewer are ignored and counted, and so is the first of all when the three after it
-  /// agree against it. One of more than 1 s ahead is held until the next two of its sensor tell whether it was a
-  /// pause, or at the end of the data the other sensor. A copy tells nothing.
+  /// Points in any order. Three measurements in a row that agree tell that a clock jumped (> 1 s back or > 60 s ahead).
+  /// Where the other sensor's did, too, the points are forgotten, and what follows is moved to go on in time
+  /// (clock_jumps()). Where the other sensor goes on for a second, or has sent nothing, the push()es throw DataError.
+  /// Fewer are ignored and counted, and so is the first of all when the three after it agree against it. One of more
+  /// than 1 s ahead is held until the next two of its sensor tell whether it was a pause, or at the end of the data the
+  /// other sensor. A copy tells nothing. IMU samples pass a screen (ImuScreen).
   void push(LidarPacket&& packet);
   void push(const ImuSample& sample);
   /// No more data: *_until() become kTimeMax.
@@ -92,6 +106,12 @@ class MeasurementStream final : public StreamView {
   std::optional<TimeNs> first_point() const { return first_point_; }
   std::optional<TimeNs> first_imu() const { return first_imu_; }
   const StreamCounters& counters() const { return counters_; }
+  /// In the order of time.
+  const std::vector<ClockJump>& clock_jumps() const { return clock_jumps_; }
+  /// What is added to the stamps that come now [ns].
+  TimeNs clock_shift() const { return clock_shift_; }
+  /// What the user should know of the readings, with remedies.
+  std::vector<std::string> warnings() const { return screen_.warnings(); }
   /// Median of the last 101 steps between accepted IMU samples [ns]; 0 before two samples.
   TimeNs imu_period() const { return imu_steps_.median(); }
   std::size_t buffered_points() const { return points_.size(); }
@@ -117,7 +137,22 @@ class MeasurementStream final : public StreamView {
     std::size_t reordered = 0;
   };
 
+  /// One sensor whose clock has jumped, while it is not known whether the other's did.
+  struct Jump {
+    bool pending = false;
+    TimeNs by = 0;
+  };
+
   bool seen_before(const PacketKey& key);
+  void admit(ArrivedPacket&& arrived);
+  void admit(const ImuSample& sample);
+  void keep_after_jump(ArrivedPacket&& arrived);
+  void keep_after_jump(const ImuSample& sample);
+  void note_usual(Jump& own, const Jump& other, const JumpGuard& other_guard, TimeNs other_last, TimeNs t);
+  void decide_on_jump(const JumpGuard& guard, TimeNs last);
+  void reset_clock();
+  void screen(const ImuSample& sample);
+  void take(std::span<const ImuSample> judged);
   void take(ArrivedPacket&& arrived);
   void take(const ImuSample& sample);
   void take_held_packets();
@@ -145,6 +180,14 @@ class MeasurementStream final : public StreamView {
   JumpGuard packet_guard_{"LiDAR"}, imu_guard_{"IMU"};
   std::vector<ArrivedPacket> held_packets_;
   std::vector<ImuSample> held_imu_;
+  ImuScreen screen_;
+  Jump packet_jump_, imu_jump_;
+  std::vector<ArrivedPacket> packets_after_jump_;
+  std::vector<ImuSample> imu_after_jump_;
+  int usual_since_jump_ = 0;  ///< measurements of the sensor whose clock has not
+  TimeNs first_usual_ = 0;
+  TimeNs clock_shift_ = 0;
+  std::vector<ClockJump> clock_jumps_;
   StepMedian imu_steps_;                 ///< of what has arrived
   StepMedian cut_steps_;                 ///< of the readings up to the last cut, in time order: however they arrive
   std::optional<TimeNs> last_cut_step_;  ///< the last of them

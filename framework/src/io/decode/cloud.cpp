@@ -273,6 +273,11 @@ std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPack
   packet.points.clear();
   if (std::string why = unlike(view, rule.time); !why.empty()) return why;
   packet.points.reserve(static_cast<std::size_t>(view.width) * view.height);
+  packet.beyond_lines = 0;
+  const auto note_beyond = [&packet](std::uint8_t line) {
+    ++packet.beyond_lines;
+    packet.highest_line = std::max(packet.highest_line, line);
+  };
   TimeNs first = kTimeMax, last = kTimeMin;
   each_point(view, [&](const std::uint8_t* from) {
     const auto p = position(from, table);
@@ -281,16 +286,18 @@ std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPack
     if (table.tag.present()) point.tag = from[table.tag.offset];
     if (filter_tags && (point.tag & 0x30U) != 0x00 && (point.tag & 0x30U) != 0x10) return;
     if (table.ring.present()) point.line = small(from, table.ring);
-    if (table.livox_lines && point.line >= rule.scan_lines) return;
+    const bool beyond = table.livox_lines && point.line >= rule.scan_lines;
     point.t = view.stamp;
     if (timed) {
       const double value = scalar(from, table.time);
       const double offset = value * rule.time.to_ns - (rule.time.absolute ? static_cast<double>(view.stamp) : 0.0);
       if (!(std::abs(offset) <= longest)) return;
+      if (beyond) return note_beyond(point.line);
       point.t = rule.time.absolute ? exact_ns(value, rule.time.to_ns) : view.stamp + std::llround(offset);
       first = std::min(first, point.t);
       last = std::max(last, point.t);
     }
+    if (beyond) return note_beyond(point.line);
     point.x = p[0];
     point.y = p[1];
     point.z = p[2];

@@ -55,12 +55,18 @@ struct ImuUnits {
   double acc = 1, gyro = 1;
   std::optional<Mat3> without_sensitivity;  ///< (I + S)^-1; nothing where S is zero
   TimeNs delay = 0;                         ///< what stamps are moved back by [ns]
+  double gyro_range = 0;                    ///< as the sensor file declares it [rad/s]; 0: unknown
   std::vector<std::string> verdicts, warnings;
 
   /// From a sample as sent to SI, without what is known. One of which nothing is known stays as it is, to the bit.
   void apply(ImuSample& sample) const {
     sample.acc *= acc;
     sample.gyro *= gyro;
+    for (int i = 0; without_sensitivity && i < 3; ++i) {  // which moves readings from the end of the range
+      constexpr double kAtEnd = 0.99;
+      const bool clipped = gyro_range > 0 && std::abs(sample.gyro[i]) >= kAtEnd * gyro_range;
+      if (clipped) sample.faults |= imu_fault::clipped(false, i);
+    }
     if (without_sensitivity) sample.gyro = *without_sensitivity * sample.gyro;
     sample.t -= delay;
   }

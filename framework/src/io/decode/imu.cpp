@@ -176,6 +176,7 @@ ImuUnits judge_imu_units(std::span<const ImuSample> samples, const SensorConfig&
   judge_acc(median_norm(samples), sensor.acc_unit, where, units);
   judge_gyro(samples, sensor.gyro_unit, where, units);
   take_calibration(sensor, units);
+  units.gyro_range = sensor.model.gyro_range;
   return units;
 }
 

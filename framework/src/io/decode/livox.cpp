@@ -34,6 +34,7 @@ std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& pack
   const TimeNs base = rule.from_header ? packet.stamp : facts.timebase;
   const std::uint8_t* from = wire.take(count * std::uint64_t{kPointBytes}).data();
   packet.points.clear();
+  packet.beyond_lines = 0;
   packet.points.reserve(count);
   const std::uint32_t longest = static_cast<std::uint32_t>(std::min<TimeNs>(rule.longest_offset, 0xFFFFFFFF));
   const int lines = std::min(rule.scan_lines, 256);
@@ -45,7 +46,12 @@ std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& pack
     const std::uint8_t tag = from[17], line = from[18], returns = tag & 0x30U;
     const bool noise = rule.tag_filter && returns != 0x00 && returns != 0x10;
     const bool damaged = rule.timed && offset > longest;
-    if (noise || line >= lines || damaged || !is_return(p[0], p[1], p[2])) continue;
+    if (noise || damaged || !is_return(p[0], p[1], p[2])) continue;
+    if (line >= lines) {
+      ++packet.beyond_lines;
+      packet.highest_line = std::max(packet.highest_line, line);
+      continue;
+    }
     TimedPoint& point = packet.points.emplace_back();
     point.x = p[0];
     point.y = p[1];
