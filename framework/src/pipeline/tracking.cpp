@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace aslio::pipeline {
 
@@ -26,6 +27,10 @@ void Tracking::observe_gap(TimeNs begin, TimeNs end) {
 
 void Tracking::observe_silent_imu(TimeNs t) {
   diverge(t + 1, true, fmt::format("no IMU data for more than max_gap {:g} s from then on", limits_.max_gap));
+}
+
+void Tracking::observe_alarm(TimeNs t, std::string reason) {
+  if (!lost()) diverge(t, true, std::move(reason));
 }
 
 void Tracking::restart(TimeNs t) {

@@ -31,6 +31,7 @@ struct TrackingLimits {
 ///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
 ///                               max_gap: dead reckoning is then off by more than what a match can make good; and with
 ///                               an IMU that is silent for as long, which leaves nothing to predict from
+///   any -> lost                 by an alarm of the monitor (docs/equations.md MON-1..MON-4)
 ///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted updates
 class Tracking {
  public:
@@ -46,6 +47,8 @@ class Tracking {
   void observe_gap(TimeNs begin, TimeNs end);
   /// There are no IMU data for more than max_gap after `t`, or none ever: lost.
   void observe_silent_imu(TimeNs t);
+  /// The monitor says that the run is lost by the update that ends at `t`.
+  void observe_alarm(TimeNs t, std::string reason);
   /// The run goes on from a new first state at `t`. Pre: lost.
   void restart(TimeNs t);
 
