@@ -4,7 +4,6 @@
 /// FAULT: clean, cut, gap, .. (see the table below), from data time AT [s] after the first measurement on.
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -24,7 +23,6 @@
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "aslio/pipeline/stage_set.hpp"
-#include "aslio/pipeline/view_change.hpp"
 #include "aslio/stages/motion.hpp"
 #include "register_all.hpp"
 
@@ -39,6 +37,9 @@ struct Fault {
   std::string name;
   TimeNs at = 0;
   std::optional<ImuSample> held;
+
+  /// Rather than in the sensor file, or none.
+  bool in_data() const { return !name.starts_with("rot_") && !name.starts_with("move_") && name != "clean"; }
 
   /// False: it is lost.
   bool apply(Measurement& m) {
@@ -102,92 +103,48 @@ void spoil(SensorModel& sensor, const std::string& name) {
   if (name == "move_z1") sensor.T_imu_lidar.p.z() += 1;
 }
 
-void put(std::ostream& out, const Vec3& v) { out << ',' << v.x() << ',' << v.y() << ',' << v.z(); }
-
+/// Writes the signals of every update, with the error since the fault began (of the sensor file: since 2 s).
 class Dump final : public pipeline::UpdateObserver {
  public:
-  Dump(const std::string& path, const Trajectory& truth, const Fault& fault, TimeNs begin, const SensorModel& sensor)
-      : out_(path), truth_(truth), fault_(fault), begin_(begin), view_(sensor) {
-    out_ << "t,dt,status,tracking,accepted,segment,rms,nis,n,matched,n_accepted,sod,e1,e2,e3,e4,e5,e6"
-            ",thx,thy,thz,px,py,pz,vx,vy,vz,stx,sty,stz,spx,spy,spz,svx,svy,svz,gx,gy,gz,X,Y,Z,qx,qy,qz,qw"
-            ",TX,TY,TZ,tqx,tqy,tqz,tqw,VX,VY,VZ,bwx,bwy,bwz,bax,bay,baz,s0,s1,s2,s3,s4,s5,s6,s7,s8"
-            ",ss0,ss1,ss2,ss3,ss4,ss5,ss6,ss7,ss8,d,sd,sbw,sba,n_fresh,insert,gyro_rms,view\n";
-    out_.precision(7);
-  }
-  void take(const ImuSample& s) { imu_.push_back(s); }
-  void take(const LidarPacket& p) {
-    points_.insert(points_.end(), p.points.begin(), p.points.end());
-    std::stable_sort(points_.end() - static_cast<std::ptrdiff_t>(p.points.size()), points_.end(),
-                     [](const auto& a, const auto& b) { return a.t < b.t; });
+  Dump(const std::string& path, const Trajectory& truth, const Fault& fault, TimeNs begin)
+      : out_(path), truth_(truth), fault_(fault), begin_(begin), aligned_at_(std::min(fault.at, begin + 2 * kSecond)) {
+    if (fault.in_data()) aligned_at_ = fault.at;
+    out_ << "t,dt,accepted,segment,tracking,error_m,path_m,fit_rise,match_loss,overlap_loss,pull_rise,misfit"
+            ",velocity_pull,gyro_mismatch,view_change,view_jump,alarm\n";
   }
 
   void on_update(const pipeline::UpdateRecord& r) override {
-    const Update& u = *r.update;
-    std::size_t matched = 0, accepted = 0;
-    for (const MatchRecord& m : u.matches) {
-      matched += m.matched ? 1U : 0U;
-      accepted += m.accepted ? 1U : 0U;
+    const bool cut = fault_.name == "cut" && r.plan.end >= fault_.at;
+    const auto truth = truth_.pose(r.plan.end + (cut ? to_ns(kCut) : 0));
+    const Pose pose = r.state.pose();
+    double error = 0;
+    if (truth && (r.plan.end <= aligned_at_ || !known_)) {
+      align_ = pose * truth->inverse();
+      known_ = true;
+    } else if (truth) {
+      error = (pose.p - align_ * truth->p).norm();
+      path_ += last_ ? (truth->p - *last_).norm() : 0.0;
     }
-    out_ << to_seconds(r.plan.end - begin_) << ',' << to_seconds(r.plan.end - r.plan.fresh_begin) << ','
-         << pipeline::name(r.status) << ',' << pipeline::name(r.tracking) << ',' << (u.accepted ? 1 : 0) << ','
-         << r.segment << ',' << u.residual_rms << ',' << u.nis << ',' << u.matches.size() << ',' << matched << ','
-         << accepted << ',' << r.overlap.value.value_or(-1);
-    for (const double e : u.spectrum) out_ << ',' << e;
-    const Mat3 Rt = u.prior.R.transpose();
-    put(out_, log_so3(Rt * u.state.R));
-    put(out_, Rt * (u.state.p - u.prior.p));
-    put(out_, Rt * (u.state.v - u.prior.v));
-    const StateVector sigma = u.P.diagonal().cwiseMax(0.0).cwiseSqrt();
-    for (int i = 0; i < 9; ++i) out_ << ',' << sigma[i];
-    put(out_, turned(r.plan.fresh_begin, r.plan.end));
-    put(out_, u.state.p);
-    Eigen::Quaterniond q(u.state.R);
-    out_ << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
-    const bool jumped = fault_.name == "cut" && r.plan.end >= fault_.at;
-    const Pose truth = truth_.pose(r.plan.end + (jumped ? to_ns(kCut) : 0)).value_or(Pose{});
-    put(out_, truth.p);
-    q = Eigen::Quaterniond(truth.R);
-    out_ << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
-    put(out_, u.state.v);
-    put(out_, u.state.b_w);
-    put(out_, u.state.b_a);
-    for (int i = 0; i < 9; ++i) out_ << ',' << u.state.S_w.data()[i];
-    for (int i = 0; i < 9; ++i) out_ << ',' << sigma[block::s + i];
-    out_ << ',' << u.state.imu_delay << ',' << sigma[block::d] << ',' << sigma.segment<3>(block::b_w).maxCoeff() << ','
-         << sigma.segment<3>(block::b_a).maxCoeff() << ',' << r.n_fresh << ',' << (u.insert ? 1 : 0) << ','
-         << r.gyro_rms << ',' << view(r) << '\n';
+    if (truth) last_ = truth->p;
+    const pipeline::MonitorSignals& m = r.monitor;
+    out_ << fmt::format(
+        "{:.3f},{:.4f},{},{},{},{:.3f},{:.2f},{:.3f},{:.3f},{:.3f},{:.2f},{:.3f},{:.2f},{:.3f},{:.3f},"
+        "{:.2f},{}\n",
+        to_seconds(r.plan.end - begin_), to_seconds(r.plan.end - r.plan.fresh_begin), r.update->accepted ? 1 : 0,
+        r.segment, pipeline::name(r.tracking), error, path_, m.fit_rise, m.match_loss, m.overlap_loss,
+        std::max(m.velocity_pull_rise, m.turn_pull_rise), m.misfit, m.velocity_pull, m.gyro_mismatch, m.view_change,
+        m.view_jump, m.alarm ? 1 : 0);
   }
 
  private:
-  double view(const pipeline::UpdateRecord& r) {
-    const auto at = [&](TimeNs t) {
-      return std::upper_bound(points_.begin(), points_.end(), t, [](TimeNs a, const auto& p) { return a < p.t; });
-    };
-    const auto begin = at(r.plan.fresh_begin), end = at(r.plan.end);
-    double out = -1;
-    if (r.update->trajectory != nullptr) {
-      out = view_.add(std::span(begin, end), *r.update->trajectory, r.plan.end).value_or(-1);
-    }
-    points_.erase(points_.begin(), end);
-    return out;
-  }
-  Vec3 turned(TimeNs begin, TimeNs end) {
-    while (next_ + 1 < imu_.size() && imu_[next_ + 1].t <= begin) ++next_;
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t i = next_; i + 1 < imu_.size() && imu_[i].t < end; ++i) {
-      const TimeNs from = std::max(begin, imu_[i].t), to = std::min(end, imu_[i + 1].t);
-      if (to > from) sum += to_seconds(to - from) * 0.5 * (imu_[i].gyro + imu_[i + 1].gyro);
-    }
-    return sum;
-  }
   std::ofstream out_;
   const Trajectory& truth_;
   const Fault& fault_;
-  TimeNs begin_;
-  pipeline::ViewChange view_;
-  std::vector<TimedPoint> points_;
-  std::vector<ImuSample> imu_;
-  std::size_t next_ = 0;
+  TimeNs begin_, aligned_at_;
+  Pose align_;
+  bool known_ = false;
+  double path_ = 0;
+  std::optional<Vec3> last_;
 };
 
 int work(const std::vector<std::string>& a) {
@@ -210,11 +167,10 @@ int work(const std::vector<std::string>& a) {
       const auto* imu = std::get_if<ImuSample>(&*m);
       const TimeNs begin = imu != nullptr ? imu->t : std::get<LidarPacket>(*m).stamp;
       fault.at = begin + to_ns(std::stod(a[6]));
-      dump = std::make_unique<Dump>(a[4], truth, fault, begin, model);
+      dump = std::make_unique<Dump>(a[4], truth, fault, begin);
       odometry.add_observer(*dump);
     }
     if (!fault.apply(*m)) continue;
-    std::visit([&](const auto& one) { dump->take(one); }, *m);
     odometry.push(std::move(*m));
   }
   odometry.finish();

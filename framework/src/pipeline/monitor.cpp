@@ -13,12 +13,12 @@ namespace {
 constexpr double kNow = 0.15;      ///< time over which something is "now" [s]
 constexpr double kUsual = 3.0;     ///< and over which it is usual [s]
 constexpr double kKnown = 1.0;     ///< nothing is usual before [s]
-constexpr double kSigmas = 5.0;    ///< of evidence that a learnt state is beyond its limit
 constexpr double kLeverArm = 5.0;  ///< [m] at which an angle counts as a length, as in the spectrum
 
 // Thresholds, chosen on seeds from 100 up: docs/results/monitor.md.
-constexpr double kViewJump = 2.5, kViewLeast = 0.1;
-constexpr double kMisfit = 2.1;
+constexpr double kViewJump = 4.0, kViewStir = 1.9;  ///< factors: alone, and with a misfit
+constexpr double kViewLeast = 0.1, kStirred = 0.5;  ///< change of the view; time after one [s]
+constexpr double kMisfit = 1.65, kMisfitStirred = 1.35, kRout = 2.4;
 constexpr double kMisfitFor = 0.12;                     ///< [s]
 constexpr double kTear = 20.0;                          ///< velocity that the points take or give [m/s^2]
 constexpr double kMismatch = 0.15, kTurnEnough = 0.05;  ///< of the turn; of a turn of that many (rad/s)^2
@@ -66,7 +66,6 @@ template <class T>
 void Monitor::Mean<T>::add(const T& x, double dt, double time) {
   const double share = 1.0 - std::exp(-dt / time);
   weight += (1.0 - weight) * share;
-  if (weight == share) value = x;  // the first
   value += (share / weight) * (x - value);
 }
 
@@ -90,21 +89,22 @@ void Monitor::begin(bool uses_imu) {
   view_.forget();
   signals_ = {};
   alarm_.reset();
-  age_ = misfit_for_ = implausible_for_ = torn_for_ = 0;
-  rms_ = nis_ = matched_ = {};
+  age_ = misfit_for_ = rout_for_ = implausible_for_ = torn_for_ = 0;
+  rms_ = nis_ = matched_ = known_ = {};
   velocity_ = turn_ = {};
-  contradicted_ = {Mat3::Zero(), 0.0};
+  contradicted_ = {};
   turned_ = {};
   view_count_ = 0;
+  since_jump_ = 1e9;
 }
 
-const MonitorSignals& Monitor::observe(const Window& window, const Update& update) {
+const MonitorSignals& Monitor::observe(const Window& window, const Update& update, const OverlapScore& overlap) {
   signals_ = {};
   alarm_.reset();
   measure_view(window, update);
   if (!update.accepted || update.restart_map) return signals_;
   const double dt = length(window);
-  measure_fit(update, dt);
+  measure_fit(update, overlap, dt);
   measure_pull(window, update, dt);
   age_ += dt;
   note_unbound(update, dt);
@@ -114,7 +114,7 @@ const MonitorSignals& Monitor::observe(const Window& window, const Update& updat
 }
 
 // eq. MON-1.
-void Monitor::measure_fit(const Update& update, double dt) {
+void Monitor::measure_fit(const Update& update, const OverlapScore& overlap, double dt) {
   const bool known = age_ > kKnown;
   const auto points = static_cast<double>(std::max<std::size_t>(update.matches.size(), 1));
   const auto matched = static_cast<double>(
@@ -123,6 +123,9 @@ void Monitor::measure_fit(const Update& update, double dt) {
   signals_.matched = matched / points;
   signals_.fit_rise = rms_.rise(std::log(std::max(update.residual_rms, 1e-4)), dt, known);
   signals_.match_loss = -matched_.rise(std::log(std::max(signals_.matched, 1e-2)), dt, known);
+  if (overlap.value) {
+    signals_.overlap_loss = -known_.rise(std::log(std::max(*overlap.value, 2e-2)), dt, known);
+  }
   if (update.nis > 0) signals_.nis_rise = nis_.rise(std::log(std::max(update.nis, 1e-4)), dt, known);
 }
 
@@ -136,6 +139,7 @@ void Monitor::measure_view(const Window& window, const Update& update) {
   if (view_count_ >= 4) {
     const double usual = std::max(*std::max_element(views_.begin(), views_.end()), 0.03);
     signals_.view_jump = *change / usual;
+    if (*change > kViewLeast && signals_.view_jump > kViewStir) since_jump_ = 0;
     if (*change > kViewLeast && signals_.view_jump > kViewJump) {
       raise(
           fmt::format("{:.1f} times more of the view changed within 0.1 s than before: a piece of the data is "
@@ -165,10 +169,13 @@ void Monitor::measure_pull(const Window& window, const Update& update, double dt
 // eq. MON-3.
 void Monitor::judge(double dt) {
   const double pull = std::max(signals_.velocity_pull_rise, signals_.turn_pull_rise);
-  signals_.misfit =
-      signals_.fit_rise + std::max(signals_.match_loss, 0.0) + 0.5 * std::max(std::log(std::max(pull, 1e-3)), 0.0);
-  misfit_for_ = signals_.misfit > kMisfit ? misfit_for_ + dt : 0.0;
-  if (misfit_for_ > kMisfitFor) {
+  const double pulled = 0.5 * std::max(std::log(std::max(pull, 1e-3)), 0.0);
+  signals_.misfit = signals_.fit_rise + pulled - 0.5 * std::max(signals_.overlap_loss, 0.0);
+  const bool misfit = signals_.misfit > (since_jump_ < kStirred ? kMisfitStirred : kMisfit);
+  misfit_for_ = misfit ? misfit_for_ + dt : 0.0;
+  const bool rout = signals_.fit_rise + std::max(signals_.match_loss, 0.0) + pulled > kRout;
+  rout_for_ = rout ? rout_for_ + dt : 0.0;
+  if (std::max(misfit_for_, rout_for_) > kMisfitFor) {
     raise(
         fmt::format("the points fit no longer: residuals {:.1f} times as large as usual, matches {:.1f} times as rare, "
                     "and the state pulled {:.1f} times as hard from its prediction",
@@ -186,39 +193,46 @@ void Monitor::judge(double dt) {
   }
 }
 
+namespace {
+
+/// What of the learnt state is beyond what a part can have, with the evidence of P; empty: nothing. `strict`: beyond
+/// doubt.
+std::string implausible(const NavState& x, const StateMatrix& P, bool strict) {
+  const double sigmas = strict ? 5.0 : 3.0, share = strict ? 1.0 : 0.67;
+  std::string what;
+  const auto beyond = [&](double value, int at, double limit) {
+    const double sigma = std::sqrt(std::max(P(at, at), 0.0));
+    return sigma > 0 && std::abs(value) > share * limit && std::abs(value) - sigmas * sigma > 0.5 * share * limit;
+  };
+  /// The first of the entries that is; one is enough to name.
+  const auto look = [&](const double* values, int count, int at, double limit, double unit, const char* name,
+                        const char* of) {
+    for (int i = 0; i < count; ++i) {
+      if (!beyond(values[i], at + i, limit)) continue;
+      what += fmt::format("{}{} {:+.3g} +- {:.1g} {}", what.empty() ? "implausible: " : ", ", name, unit * values[i],
+                          unit * std::sqrt(P(at + i, at + i)), of);
+      return;
+    }
+  };
+  look(x.S_w.data(), 9, block::s, kScale, 100, "gyro scale or cross-axis term", "%");
+  look(&x.imu_delay, 1, block::d, kDelay, 1e3, "IMU delay", "ms");
+  look(x.b_w.data(), 3, block::b_w, kGyroBias, 1, "gyro bias", "rad/s");
+  look(x.b_a.data(), 3, block::b_a, kAccBias, 1, "accelerometer bias", "m/s^2");
+  return what.empty() ? what : what + ": check T_imu_lidar";
+}
+
+}  // namespace
+
 // eq. MON-4.
 void Monitor::judge_learnt(const Update& update, double dt) {
-  const NavState& x = update.state;
-  const StateMatrix& P = update.P;
-  const auto sigma = [&P](int at) { return std::sqrt(std::max(P(at, at), 0.0)); };
-  const auto beyond = [](double value, double deviation, double limit) {
-    return deviation > 0 && std::abs(value) - kSigmas * deviation > 0.5 * limit && std::abs(value) > limit;
-  };
-  std::string what;
-  const auto add = [&what](const std::string& text) { what += (what.empty() ? "implausible: " : ", ") + text; };
-  for (int i = 0; i < 9; ++i) {
-    const double entry = x.S_w.data()[i], deviation = sigma(block::s + i);
-    if (!beyond(entry, deviation, kScale)) continue;
-    add(fmt::format("gyro {} {:+.1f} +- {:.1f} %", i % 4 == 0 ? "scale" : "cross-axis term", 100 * entry,
-                    100 * deviation));
-    break;
+  report_.implausible = implausible(update.state, update.P, false);
+  if (report_.implausible.empty()) {
+    implausible_for_ = 0.0;
+    return;
   }
-  if (beyond(x.imu_delay, sigma(block::d), kDelay)) {
-    add(fmt::format("IMU delay {:.0f} +- {:.0f} ms", 1e3 * x.imu_delay, 1e3 * sigma(block::d)));
-  }
-  for (int i = 0; i < 3; ++i) {
-    if (!beyond(x.b_w[i], sigma(block::b_w + i), kGyroBias)) continue;
-    add(fmt::format("gyro bias {:+.2f} +- {:.2f} rad/s", x.b_w[i], sigma(block::b_w + i)));
-    break;
-  }
-  for (int i = 0; i < 3; ++i) {
-    if (!beyond(x.b_a[i], sigma(block::b_a + i), kAccBias)) continue;
-    add(fmt::format("accelerometer bias {:+.1f} +- {:.1f} m/s^2", x.b_a[i], sigma(block::b_a + i)));
-    break;
-  }
-  implausible_for_ = what.empty() ? 0.0 : implausible_for_ + dt;
-  report_.implausible = what.empty() ? what : what + ": check T_imu_lidar";
-  if (implausible_for_ > kWrongFor) raise(report_.implausible);
+  const std::string certain = implausible(update.state, update.P, true);
+  implausible_for_ = certain.empty() ? 0.0 : implausible_for_ + dt;
+  if (implausible_for_ > kWrongFor) raise(certain);
 }
 
 /// The weakest direction by P, while the points leave one open.

@@ -68,7 +68,7 @@ class Odometry::Loop {
       stages_.overlap->advance(plan.end);
       record.overlap = stages_.overlap->evaluate(update.points(Tap::overlap), plan.end);
     }
-    record.monitor = monitor_.observe(window, update);
+    record.monitor = monitor_.observe(window, update, record.overlap);
     const bool alarm = monitor_.alarm().has_value();
     if (update.insert && !alarm) insert(window, update, record);
     if (!alarm && (update.accepted || update.status == UpdateStatus::initialising)) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "aslio/pipeline/view_change.hpp"
 
@@ -17,6 +18,7 @@ struct MonitorSignals {
   double fit_rise = 0;       ///< of the RMS of the residuals
   double nis_rise = 0;       ///< of the squared innovation
   double match_loss = 0;     ///< of `matched`, downwards
+  double overlap_loss = 0;   ///< of the overlap, downwards
   double velocity_pull = 0;  ///< mean change of velocity by the points, against the prediction [m/s^2]
   double turn_pull = 0;      ///< the same of the attitude [rad/s]
   double velocity_pull_rise = 0, turn_pull_rise = 0;  ///< these over their own level, as factors
@@ -46,7 +48,8 @@ class Monitor {
 
   /// `uses_imu`: the prior is a prediction by the IMU. Forgets all levels, not the report.
   void begin(bool uses_imu);
-  const MonitorSignals& observe(const Window& window, const Update& update);
+  /// `overlap`: of this window with what was known before it.
+  const MonitorSignals& observe(const Window& window, const Update& update, const OverlapScore& overlap);
   /// Why the run is lost by the update that was observed last; nothing: it is not.
   const std::optional<std::string>& alarm() const { return alarm_; }
   const MonitorReport& report() const { return report_; }
@@ -55,8 +58,15 @@ class Monitor {
   /// Mean with exponential forgetting over data time, without bias at its begin.
   template <class T>
   struct Mean {
-    T value{};
+    T value;
     double weight = 0;
+    Mean() {
+      if constexpr (std::is_arithmetic_v<T>) {
+        value = 0;
+      } else {
+        value.setZero();
+      }
+    }
     void add(const T& x, double dt, double time);
   };
   /// A quantity now and as it usually is.
@@ -70,7 +80,7 @@ class Monitor {
     double rise(const Vec3& x, double dt, bool known);
   };
 
-  void measure_fit(const Update& update, double dt);
+  void measure_fit(const Update& update, const OverlapScore& overlap, double dt);
   void measure_pull(const Window& window, const Update& update, double dt);
   void measure_view(const Window& window, const Update& update);
   void note_unbound(const Update& update, double dt);
@@ -84,15 +94,15 @@ class Monitor {
   MonitorReport report_;
   std::optional<std::string> alarm_;
   double age_ = 0;  ///< time of accepted updates [s]
-  Level rms_, nis_, matched_;
+  Level rms_, nis_, matched_, known_;
   Pull velocity_, turn_;
   Mean<Mat3> contradicted_;  ///< [rad^2/s]
   Mean<double> turned_;      ///< [rad^2/s]
   std::array<double, 4> views_{};
   int view_count_ = 0;
-  double since_jump_ = 1e9;                                     ///< [s] of the last jump of the view
-  double strength_ = 0;                                         ///< of that jump
-  double misfit_for_ = 0, implausible_for_ = 0, torn_for_ = 0;  ///< [s] without a break
+  double since_jump_ = 1e9;  ///< [s] of the last jump of the view
+  /// [s] without a break.
+  double misfit_for_ = 0, rout_for_ = 0, implausible_for_ = 0, torn_for_ = 0;
 };
 
 }  // namespace aslio::pipeline
