@@ -86,6 +86,7 @@ struct Play {
 
 }  // namespace
 
+// eq. MON-1.
 TEST_CASE("monitor: what is usual is no alarm, also where it changes slowly") {
   Play play;
   for (int i = 0; i < 200; ++i) {
@@ -98,6 +99,7 @@ TEST_CASE("monitor: what is usual is no alarm, also where it changes slowly") {
   CHECK(play.monitor.report().implausible.empty());
 }
 
+// eq. MON-2.
 TEST_CASE("monitor: a view that changes as a whole is an alarm within two tenths of a second") {
   Play play;
   play.calm(20);
@@ -116,6 +118,7 @@ TEST_CASE("monitor: after a time without points another view is no alarm") {
   play.calm(10);
 }
 
+// eq. MON-3.
 TEST_CASE("monitor: residuals that rise while the points pull the state are an alarm, residuals alone are not") {
   Play play;
   play.calm(30);
@@ -150,6 +153,7 @@ TEST_CASE("monitor: points that contradict the gyro's turn name the extrinsic") 
   without.calm(20);
 }
 
+// eq. MON-4.
 TEST_CASE("monitor: a learnt state beyond what a part can have is implausible, with several sigma of evidence") {
   Play play;
   play.calm(12);
