@@ -30,7 +30,9 @@ TEST_CASE("a run leaves its files, with the columns that are documented") {
         "t_ns,window_begin_ns,status,n_fresh,n_history,sod,layer_0,layer_1,layer_2,layer_3,layer_4,layer_5,layer_6,"
         "layer_7,seg_time,shift_time_s,echo,iterations,n_matches,eig_1,eig_2,eig_3,eig_4,eig_5,eig_6,digest,"
         "extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,"
-        "gyro_rms_rad_s,prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw,segment");
+        "gyro_rms_rad_s,prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw,segment,"
+        "nis,matched_share,fit_rise,nis_rise,match_loss,overlap_loss,velocity_pull_mps2,turn_pull_rad_s,"
+        "velocity_pull_rise,turn_pull_rise,misfit,gyro_mismatch,view_change,view_jump,alarm");
   const auto poses = io::read_tum(out / "trajectory.tum");
   const auto stamps = column(out / "updates.csv", "t_ns");
   REQUIRE(poses.size() == stamps.size());

@@ -233,6 +233,7 @@ void gather(Summary& summary, const pipeline::Odometry& odometry, const io::Meas
   summary.malformed_lidar = source.notes().malformed_lidar;
   summary.malformed_imu = source.notes().malformed_imu;
   summary.losses = odometry.losses();
+  summary.monitor = odometry.monitor();
 }
 
 /// A run is worth keeping although its reference turns out not to fit.

@@ -66,6 +66,7 @@ std::string shortcomings(const Summary& s, const std::string& odd) {
                        100 * kMaxWeakShare),
            "; ");
   }
+  append(text, s.monitor.implausible, "; ");
   append(text, odd, "; ");
   return text;
 }
@@ -211,6 +212,9 @@ std::string to_json(const Summary& s) {
   }
   out["coverage"] = s.coverage;
   out["counts"] = counts(s);
+  out["monitor"] = {{"alarms", s.monitor.alarms},
+                    {"implausible", s.monitor.implausible},
+                    {"unbound", pipeline::unbound_text(s.monitor)}};
   out["updates"] = s.updates;
   out["weak_updates"] = weak_updates(s);
   out["weak_share"] = s.weak_share;

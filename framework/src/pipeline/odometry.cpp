@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "aslio/core/cpu_clock.hpp"
+#include "aslio/pipeline/monitor.hpp"
 #include "aslio/pipeline/new_start.hpp"
 #include "aslio/pipeline/stage_set.hpp"
 #include "doubted_imu.hpp"
@@ -31,7 +32,8 @@ class Odometry::Loop {
         start_offset_(start_offset(context.order_seed)),
         anew_{context.exec, sensor_, context.log, context.order_seed, true},
         stream_(stream::ImuRange{sensor_.gyro_range, sensor_.acc_range}),
-        tracking_(config.limits, context.sensor.sweep_period) {
+        tracking_(config.limits, context.sensor.sweep_period),
+        monitor_(context.sensor) {
     take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
   }
@@ -69,8 +71,10 @@ class Odometry::Loop {
       stages_.overlap->advance(plan.end);
       record.overlap = stages_.overlap->evaluate(update.points(Tap::overlap), plan.end);
     }
-    if (update.insert) insert(window, update, record);
-    if (update.accepted || update.status == UpdateStatus::initialising) {
+    record.monitor = monitor_.observe(window, update, record.overlap);
+    const bool alarm = monitor_.alarm().has_value();
+    if (update.insert && !alarm) insert(window, update, record);
+    if (!alarm && (update.accepted || update.status == UpdateStatus::initialising)) {
       // What was placed before the map began anew must not be matched against it.
       if (update.restart_map) stages_.history->reset();
       stages_.history->commit(window, update);
@@ -81,8 +85,10 @@ class Odometry::Loop {
     const TimeNs data_begin = window.fresh.empty() ? plan.fresh_begin : window.fresh.front().t;
     record.without_view = lacks_view(window, update);
     tracking_.observe(update, data_begin, plan.end, record.without_view);
+    if (alarm) tracking_.observe_alarm(plan.end, *monitor_.alarm());
     // One that is lost by silence has a dead-reckoned pose; one that is lost by its state, the last that was accepted.
-    if (tracking_.lost() ? sound(update.state) : update.accepted) believed_ = update.state.pose();
+    // One that is lost by an alarm has its pose from points that do not fit.
+    if (!alarm && (tracking_.lost() ? sound(update.state) : update.accepted)) believed_ = update.state.pose();
     if (update.accepted && !tracking_.lost()) last_accepted_ = plan.end;
     doubted_imu_.observe(update.state);
     report(window, past, update, record);
@@ -197,7 +203,9 @@ class Odometry::Loop {
         tracking_.losses().back().t + start_offset_, believed_, {}, last_accepted_, config_.limits.max_speed};
     // Soon after a start in motion an estimator does not know yet how fast it is.
     const NavState& state = stages_.estimator->state();
-    if (last_accepted_ - segment_begin_ >= kSecond && sound(state)) known.state = state;
+    // After an alarm it has learnt from what does not fit.
+    const bool learnt = last_accepted_ - segment_begin_ >= kSecond && !monitor_.alarm();
+    if (learnt && sound(state)) known.state = state;
     return known;
   }
 
@@ -210,6 +218,7 @@ class Odometry::Loop {
     stages_.estimator->reset(initial);
     feedback_.t = initial.state.t;
     feedback_.state = initial.state;
+    monitor_.begin(stages_.estimator->uses_imu());
     last_point_ = last_accepted_ = segment_begin_ = feedback_.t;
     believed_ = initial.state.pose();
     doubted_imu_.begin(initial.state);
@@ -312,6 +321,7 @@ class Odometry::Loop {
   std::optional<PriorProbe> probe_;
   double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
   Tracking tracking_;
+  Monitor monitor_;
   std::vector<UpdateObserver*> observers_;
   std::optional<Initialisation> initialisation_;
   Feedback feedback_;
@@ -347,6 +357,7 @@ void Odometry::finish() { loop_->finish(); }
 const Divergence* Odometry::divergence() const { return loop_->tracking_.divergence(); }
 const std::vector<Divergence>& Odometry::losses() const { return loop_->tracking_.losses(); }
 bool Odometry::has_ended() const { return loop_->has_ended(); }
+const MonitorReport& Odometry::monitor() const { return loop_->monitor_.report(); }
 TrackingStatus Odometry::tracking() const { return loop_->tracking_.status(); }
 const std::optional<Initialisation>& Odometry::initialisation() const { return loop_->initialisation_; }
 const stream::MeasurementStream& Odometry::stream() const { return loop_->stream_; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace aslio::pipeline {
 
@@ -35,6 +36,10 @@ void Tracking::observe_clock_jump(TimeNs t, TimeNs by) {
       fmt::format("the clock of the sensors jumped {} by {:.1f} s; later stamps are moved {} by as much, so that time "
                   "goes on",
                   by < 0 ? "back" : "ahead", std::abs(to_seconds(by)), by < 0 ? "ahead" : "back"));
+}
+
+void Tracking::observe_alarm(TimeNs t, std::string reason) {
+  if (!lost()) diverge(t, true, std::move(reason));
 }
 
 void Tracking::restart(TimeNs t) {

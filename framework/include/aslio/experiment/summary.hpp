@@ -40,6 +40,7 @@ struct Summary {
   std::string reason;                        ///< why the status is not `ok`
   std::optional<TimeNs> moment;              ///< data time of the divergence or of the failure
   std::vector<pipeline::Divergence> losses;  ///< those of the odometry itself, in the order of time
+  pipeline::MonitorReport monitor;           ///< alarms, what is implausible, which direction was not bound
   std::string initialisation;                ///< the verdict
   std::vector<std::string> notes;            ///< verdicts and warnings of the reader
   double coverage = 0;                       ///< share of the data's duration inside fresh intervals that counted

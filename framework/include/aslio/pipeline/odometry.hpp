@@ -56,6 +56,8 @@ class Odometry {
   /// Lost for good: no update will follow, whatever is pushed.
   bool has_ended() const;
   TrackingStatus tracking() const;
+  /// What the monitor has seen so far.
+  const MonitorReport& monitor() const;
   /// Of the first start. Nothing before its state has been found.
   const std::optional<Initialisation>& initialisation() const;
   const stream::MeasurementStream& stream() const;

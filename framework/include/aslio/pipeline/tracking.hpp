@@ -32,6 +32,7 @@ struct TrackingLimits {
 ///                               max_gap: dead reckoning is then off by more than what a match can make good; and with
 ///                               an IMU that is silent for as long, which leaves nothing to predict from; and where
 ///                               the clock of all sensors jumps
+///   any -> lost                 by an alarm of the monitor (docs/equations.md MON-1..MON-4)
 ///   lost -> recovering          with a new first state, over an empty map; -> ok after kRecovered accepted updates
 class Tracking {
  public:
@@ -50,6 +51,8 @@ class Tracking {
   void observe_silent_imu(TimeNs t);
   /// The clock of all sensors jumped by `by` [ns] after `t`: lost.
   void observe_clock_jump(TimeNs t, TimeNs by);
+  /// The monitor says that the run is lost by the update that ends at `t`.
+  void observe_alarm(TimeNs t, std::string reason);
   /// The run goes on from a new first state at `t`. Pre: lost.
   void restart(TimeNs t);
 

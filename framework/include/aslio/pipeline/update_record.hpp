@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "aslio/pipeline/monitor.hpp"
 #include "aslio/stages/estimator.hpp"
 
 namespace aslio::pipeline {
@@ -39,6 +40,7 @@ struct UpdateRecord {
   NavState state;
   const Update* update = nullptr;  ///< valid during the observer's call only
   StageTimes times;                ///< thread CPU seconds
+  MonitorSignals monitor;
 };
 
 /// Sees every update after it has been committed. Must not throw.

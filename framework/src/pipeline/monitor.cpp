@@ -1,0 +1,261 @@
+#include "aslio/pipeline/monitor.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace aslio::pipeline {
+
+namespace {
+
+constexpr double kNow = 0.15;      ///< time over which something is "now" [s]
+constexpr double kUsual = 3.0;     ///< and over which it is usual [s]
+constexpr double kKnown = 1.0;     ///< nothing is usual before [s]
+constexpr double kLeverArm = 5.0;  ///< [m] at which an angle counts as a length, as in the spectrum
+
+// Thresholds, chosen on seeds from 100 up: docs/results/monitor.md.
+constexpr double kViewJump = 3.3, kViewStir = 2.2;  ///< factors: alone, and with a misfit
+constexpr double kViewLeast = 0.1, kStirred = 0.5;  ///< change of the view; time after one [s]
+constexpr double kMisfit = 1.65, kMisfitStirred = 1.2, kRout = 2.4;
+constexpr double kMisfitFor = 0.12;                     ///< [s]
+constexpr double kTear = 30.0;                          ///< velocity that the points take or give [m/s^2]
+constexpr double kMismatch = 0.15, kTurnEnough = 0.05;  ///< of the turn; of a turn of that many (rad/s)^2
+constexpr double kWrongFor = 0.2;                       ///< [s]
+constexpr double kScale = 0.03, kDelay = 0.015, kGyroBias = 0.1, kAccBias = 1.5;
+
+/// Turn that the gyro measured over the window, in I [rad]. Its bias counts for nothing beside what is looked for.
+Vec3 measured_turn(std::span<const ImuSample> imu) {
+  Vec3 turn = Vec3::Zero();
+  for (std::size_t i = 1; i < imu.size(); ++i) {
+    turn += 0.5 * to_seconds(imu[i].t - imu[i - 1].t) * (imu[i].gyro + imu[i - 1].gyro);
+  }
+  return turn;
+}
+
+double length(const Window& window) {
+  return std::clamp(to_seconds(window.plan.end - window.plan.fresh_begin), 1e-3, 0.5);
+}
+
+/// Nearest axis of a direction.
+std::size_t axis_of(const Vec3& direction) {
+  int axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return static_cast<std::size_t>(axis);
+}
+
+}  // namespace
+
+std::string unbound_text(const MonitorReport& report) {
+  static constexpr std::array kNames = {"translation along x of the body",
+                                        "translation along y of the body",
+                                        "translation along z of the body",
+                                        "roll",
+                                        "pitch",
+                                        "yaw"};
+  std::string text;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (report.unbound[i] < 1.0) continue;
+    text += fmt::format("{}{} is not bound ({:.1f} s)", text.empty() ? "" : ", ", kNames[i], report.unbound[i]);
+  }
+  return text;
+}
+
+template <class T>
+void Monitor::Mean<T>::add(const T& x, double dt, double time) {
+  const double share = 1.0 - std::exp(-dt / time);
+  weight += (1.0 - weight) * share;
+  value += (share / weight) * (x - value);
+}
+
+double Monitor::Level::rise(double x, double dt, bool known) {
+  now.add(x, dt, kNow);
+  const double out = known ? now.value - usual.value : 0.0;
+  usual.add(x, dt, kUsual);
+  return out;
+}
+
+double Monitor::Pull::rise(const Vec3& x, double dt, bool known) {
+  now.add(x, dt, kNow);
+  const double square = now.value.squaredNorm();
+  const double out = known && usual.value > 0 ? std::sqrt(square / usual.value) : 0.0;
+  usual.add(square, dt, kUsual);
+  return out;
+}
+
+void Monitor::begin(bool uses_imu) {
+  uses_imu_ = uses_imu;
+  view_.forget();
+  signals_ = {};
+  alarm_.reset();
+  age_ = misfit_for_ = rout_for_ = implausible_for_ = torn_for_ = 0;
+  rms_ = nis_ = matched_ = known_ = {};
+  velocity_ = turn_ = {};
+  contradicted_ = {};
+  turned_ = {};
+  view_count_ = 0;
+  since_jump_ = 1e9;
+}
+
+const MonitorSignals& Monitor::observe(const Window& window, const Update& update, const OverlapScore& overlap) {
+  signals_ = {};
+  alarm_.reset();
+  measure_view(window, update);
+  if (!update.accepted || update.restart_map) return signals_;
+  const double dt = length(window);
+  measure_fit(update, overlap, dt);
+  measure_pull(window, update, dt);
+  age_ += dt;
+  note_unbound(update, dt);
+  judge(dt);
+  judge_learnt(update, dt);
+  return signals_;
+}
+
+// eq. MON-1.
+void Monitor::measure_fit(const Update& update, const OverlapScore& overlap, double dt) {
+  const bool known = age_ > kKnown;
+  const auto points = static_cast<double>(std::max<std::size_t>(update.matches.size(), 1));
+  const auto matched = static_cast<double>(
+      std::count_if(update.matches.begin(), update.matches.end(), [](const MatchRecord& m) { return m.matched; }));
+  signals_.nis = update.nis;
+  signals_.matched = matched / points;
+  signals_.fit_rise = rms_.rise(std::log(std::max(update.residual_rms, 1e-4)), dt, known);
+  signals_.match_loss = -matched_.rise(std::log(std::max(signals_.matched, 1e-2)), dt, known);
+  if (overlap.value) {
+    signals_.overlap_loss = -known_.rise(std::log(std::max(*overlap.value, 2e-2)), dt, known);
+  }
+  if (update.nis > 0) signals_.nis_rise = nis_.rise(std::log(std::max(update.nis, 1e-4)), dt, known);
+}
+
+// eq. MON-2.
+void Monitor::measure_view(const Window& window, const Update& update) {
+  since_jump_ += length(window);
+  if (update.trajectory == nullptr || !update.state.R.allFinite()) return;
+  const auto change = view_.add(window.fresh, *update.trajectory, window.plan.end);
+  if (!change) return;
+  signals_.view_change = *change;
+  if (view_count_ >= 4) {
+    const double usual = std::max(*std::max_element(views_.begin(), views_.end()), 0.03);
+    signals_.view_jump = *change / usual;
+    if (*change > kViewLeast && signals_.view_jump > kViewStir) since_jump_ = 0;
+    if (*change > kViewLeast && signals_.view_jump > kViewJump) {
+      raise(
+          fmt::format("{:.1f} times more of the view changed within 0.1 s than before: a piece of the data is "
+                      "missing, or the sensor was moved",
+                      signals_.view_jump));
+    }
+  }
+  views_[static_cast<std::size_t>(view_count_++ % 4)] = *change;
+}
+
+// eq. MON-3.
+void Monitor::measure_pull(const Window& window, const Update& update, double dt) {
+  const bool known = age_ > kKnown;
+  const Mat3 Rt = update.prior.R.transpose();
+  const Vec3 turn = log_so3(Rt * update.state.R);
+  signals_.velocity_pull_rise = velocity_.rise(Rt * (update.state.v - update.prior.v) / dt, dt, known);
+  signals_.turn_pull_rise = turn_.rise(turn / dt, dt, known);
+  signals_.velocity_pull = velocity_.now.value.norm();
+  signals_.turn_pull = turn_.now.value.norm();
+  if (!uses_imu_ || window.imu.size() < 2 || window.imu_gap > 0) return;
+  const Vec3 measured = measured_turn(window.imu);
+  contradicted_.add(turn * measured.transpose() / (dt * dt), dt, kUsual);
+  turned_.add(measured.squaredNorm() / (dt * dt), dt, kUsual);
+  if (turned_.value > kTurnEnough) signals_.gyro_mismatch = contradicted_.value.norm() / turned_.value;
+}
+
+// eq. MON-3.
+void Monitor::judge(double dt) {
+  const double pull = std::max(signals_.velocity_pull_rise, signals_.turn_pull_rise);
+  const double pulled = 0.5 * std::max(std::log(std::max(pull, 1e-3)), 0.0);
+  signals_.misfit = signals_.fit_rise + pulled - 0.5 * std::max(signals_.overlap_loss, 0.0);
+  const bool misfit = signals_.misfit > (since_jump_ < kStirred ? kMisfitStirred : kMisfit);
+  misfit_for_ = misfit ? misfit_for_ + dt : 0.0;
+  const bool rout = signals_.fit_rise + std::max(signals_.match_loss, 0.0) + pulled > kRout;
+  rout_for_ = rout ? rout_for_ + dt : 0.0;
+  if (std::max(misfit_for_, rout_for_) > kMisfitFor) {
+    raise(
+        fmt::format("the points fit no longer: residuals {:.1f} times as large as usual, matches {:.1f} times as rare, "
+                    "and the state pulled {:.1f} times as hard from its prediction",
+                    std::exp(signals_.fit_rise), std::exp(signals_.match_loss), pull));
+  }
+  torn_for_ = age_ > kKnown && signals_.velocity_pull > kTear ? torn_for_ + dt : 0.0;
+  if (torn_for_ > kMisfitFor) {
+    raise(fmt::format("the points tear the velocity from its prediction by {:.0f} m/s^2", signals_.velocity_pull));
+  }
+  if (age_ > kKnown && signals_.gyro_mismatch > kMismatch) {
+    raise(
+        fmt::format("the points contradict {:.0f} % of the turn that the gyro measures: implausible: check "
+                    "T_imu_lidar, gyro_unit",
+                    100 * signals_.gyro_mismatch));
+  }
+}
+
+namespace {
+
+/// What of the learnt state is beyond what a part can have, with the evidence of P; empty: nothing. `strict`: beyond
+/// doubt.
+std::string implausible(const NavState& x, const StateMatrix& P, bool strict) {
+  const double sigmas = strict ? 5.0 : 3.0, share = strict ? 1.0 : 0.67;
+  std::string what;
+  const auto beyond = [&](double value, int at, double limit) {
+    const double sigma = std::sqrt(std::max(P(at, at), 0.0));
+    return sigma > 0 && std::abs(value) > share * limit && std::abs(value) - sigmas * sigma > 0.5 * share * limit;
+  };
+  /// The first of the entries that is; one is enough to name.
+  const auto look = [&](const double* values, int count, int at, double limit, double unit, const char* name,
+                        const char* of) {
+    for (int i = 0; i < count; ++i) {
+      if (!beyond(values[i], at + i, limit)) continue;
+      what += fmt::format("{}{} {:+.3g} +- {:.1g} {}", what.empty() ? "implausible: " : ", ", name, unit * values[i],
+                          unit * std::sqrt(P(at + i, at + i)), of);
+      return;
+    }
+  };
+  look(x.S_w.data(), 9, block::s, kScale, 100, "gyro scale or cross-axis term", "%");
+  look(&x.imu_delay, 1, block::d, kDelay, 1e3, "IMU delay", "ms");
+  look(x.b_w.data(), 3, block::b_w, kGyroBias, 1, "gyro bias", "rad/s");
+  // Soon after a start in motion it may be large for a moment.
+  look(x.b_a.data(), 3, block::b_a, strict ? 2 * kAccBias : kAccBias, 1, "accelerometer bias", "m/s^2");
+  return what.empty() ? what : what + ": check T_imu_lidar";
+}
+
+}  // namespace
+
+// eq. MON-4.
+void Monitor::judge_learnt(const Update& update, double dt) {
+  report_.implausible = implausible(update.state, update.P, false);
+  if (report_.implausible.empty()) {
+    implausible_for_ = 0.0;
+    return;
+  }
+  const std::string certain = implausible(update.state, update.P, true);
+  implausible_for_ = certain.empty() ? 0.0 : implausible_for_ + dt;
+  if (implausible_for_ > kWrongFor) raise(certain);
+}
+
+/// The weakest direction by P, while the points leave one open.
+void Monitor::note_unbound(const Update& update, double dt) {
+  if (!update.leaves_open() || !update.P.allFinite()) return;
+  const Mat3 shift = update.state.R.transpose() * update.P.block<3, 3>(block::p, block::p) * update.state.R;
+  const Mat3 turn = kLeverArm * kLeverArm * update.P.block<3, 3>(block::theta, block::theta);
+  const Eigen::SelfAdjointEigenSolver<Mat3> shifts(shift), turns(turn);
+  if (shifts.eigenvalues()[2] >= turns.eigenvalues()[2]) {
+    report_.unbound[axis_of(shifts.eigenvectors().col(2))] += dt;
+    return;
+  }
+  const Vec3 axis = turns.eigenvectors().col(2);
+  const bool upright = std::abs((update.state.R * axis).z()) > 0.8;
+  report_.unbound[upright ? 5 : 3 + axis_of(axis)] += dt;
+}
+
+void Monitor::raise(std::string reason) {
+  if (alarm_) return;
+  alarm_ = std::move(reason);
+  signals_.alarm = true;
+  ++report_.alarms;
+}
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,80 @@
+#include "aslio/pipeline/view_change.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aslio::pipeline {
+
+namespace {
+
+/// Position in the octahedral map (as PackedDirection), of `side` cells per axis.
+std::size_t cell_of(const Eigen::Vector3f& d, float sum, int side) {
+  float a = d.x() / sum, b = d.y() / sum;
+  if (d.z() < 0) {
+    const float x = a;
+    a = std::copysign(1.0F - std::abs(b), a);
+    b = std::copysign(1.0F - std::abs(x), b);
+  }
+  const auto at = [side](float v) {
+    return std::clamp(static_cast<int>(0.5F * (v + 1.0F) * static_cast<float>(side)), 0, side - 1);
+  };
+  return static_cast<std::size_t>(at(a) * side + at(b));
+}
+
+}  // namespace
+
+void ViewChange::forget() {
+  now_.fill({});
+  before_.fill({});
+  slot_begin_ = last_point_ = kTimeMin;
+}
+
+std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
+  if (points.empty()) return std::nullopt;
+  if (last_point_ > kTimeMin && points.front().t - last_point_ > kBlind) forget();
+  last_point_ = points.back().t;
+  const std::size_t stride = points.size() / kMostPoints + 1;
+  TimeNs posed = kTimeMin;
+  Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const TimedPoint& point = points[i];
+    const Eigen::Vector3f p(point.x, point.y, point.z);
+    const float range = p.norm();
+    if (!(range >= static_cast<float>(sensor_.min_range) && range <= static_cast<float>(sensor_.max_range))) continue;
+    if (posed == kTimeMin || point.t - posed > kPose) {
+      posed = point.t;
+      R = (poses.pose(point.t).R * sensor_.T_imu_lidar.R).cast<float>();
+    }
+    const Eigen::Vector3f d = R * p;
+    const float sum = d.cwiseAbs().sum();
+    if (!std::isfinite(sum)) return std::nullopt;
+    Cell& cell = now_[cell_of(d, sum, kSide)];
+    cell.sum += std::log(range);
+    ++cell.n;
+  }
+  if (slot_begin_ == kTimeMin) slot_begin_ = points.front().t;
+  if (t - slot_begin_ < kSlot) return std::nullopt;
+  const auto change = compare();
+  // What a blind slot did not see stays to be compared with.
+  const bool seen = std::any_of(now_.begin(), now_.end(), [](const Cell& c) { return c.n > 0; });
+  if (seen) before_ = now_;
+  now_.fill({});
+  slot_begin_ = t;
+  return change;
+}
+
+std::optional<double> ViewChange::compare() const {
+  double sum = 0;
+  int n = 0;
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const Cell &a = now_[i], &b = before_[i];
+    if (a.n == 0 || b.n == 0) continue;
+    const double change =
+        static_cast<double>(a.sum) / static_cast<double>(a.n) - static_cast<double>(b.sum) / static_cast<double>(b.n);
+    sum += std::min(std::abs(change), kMost);
+    ++n;
+  }
+  return n < kLeast ? std::nullopt : std::optional(sum / n);
+}
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,207 @@
+// The monitor: what is usual raises no alarm, what does not fit is named.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "aslio/pipeline/monitor.hpp"
+
+using namespace aslio;
+using namespace aslio::pipeline;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr TimeNs kTenth = kSecond / 10;
+
+/// A sensor that stays where it is.
+class Still final : public TrajectoryModel {
+ public:
+  Pose pose(TimeNs) const override { return {}; }
+  int dof() const override { return 6; }
+  Pose moved(TimeNs, const Eigen::VectorXd&) const override { return {}; }
+  void jacobian(TimeNs, Eigen::MatrixXd&) const override {}
+};
+
+/// Windows of 0.1 s in a round room, whose update fits as well as ever unless something is changed.
+struct Play {
+  Monitor monitor{SensorModel{}};
+  Still still;
+  TimeNs t = 1'700'000'000 * kSecond;
+  double room = 5.0;  ///< its radius [m]
+  Vec3 rate = Vec3::Zero();
+  Update update;
+  std::vector<MatchRecord> matches = std::vector<MatchRecord>(100, MatchRecord{true, 0.01F, true});
+  std::vector<TimedPoint> points;
+  std::vector<ImuSample> imu;
+  int count = 0;
+
+  Play() {
+    monitor.begin(true);
+    update.status = UpdateStatus::ok;
+    update.accepted = true;
+    update.residual_rms = 0.02;
+    update.nis = 1.0;
+    update.trajectory = &still;
+    update.P.diagonal().setConstant(1e-6);
+  }
+
+  const MonitorSignals& next() {
+    points.clear();
+    for (int i = 0; i < 3000; ++i) {
+      const double a = 0.01 * i, z = std::sin(0.37 * i);
+      const double c = std::sqrt(1.0 - z * z);
+      TimedPoint p;
+      p.x = static_cast<float>(room * c * std::cos(a));
+      p.y = static_cast<float>(room * c * std::sin(a));
+      p.z = static_cast<float>(room * z);
+      p.t = t + (i + 1) * (kTenth / 3000);
+      points.push_back(p);
+    }
+    imu.assign(2, ImuSample{});
+    imu[0].t = t;
+    imu[1].t = t + kTenth;
+    imu[0].gyro = imu[1].gyro = rate;
+    // Small corrections that change their sign, as noise makes them.
+    const double sign = ++count % 2 == 0 ? 1.0 : -1.0;
+    if (!pulled) update.state.v = Vec3(sign * 1e-3, 0, 0);
+    update.matches = matches;
+    Window window;
+    window.plan.fresh_begin = t;
+    window.plan.end = t + kTenth;
+    window.fresh = points;
+    window.imu = imu;
+    t += kTenth;
+    return monitor.observe(window, update, OverlapScore{.value = 0.9});
+  }
+  void calm(int times) {
+    while (times-- > 0) {
+      next();
+      CHECK_FALSE(monitor.alarm());
+    }
+  }
+  bool pulled = false;
+};
+
+}  // namespace
+
+// eq. MON-1.
+TEST_CASE("monitor: what is usual is no alarm, also where it changes slowly") {
+  Play play;
+  for (int i = 0; i < 200; ++i) {
+    play.update.residual_rms = 0.02 * (1.0 + 0.005 * i);
+    play.room = 5.0 * (1.0 + 0.005 * i);
+    play.next();
+    REQUIRE_FALSE(play.monitor.alarm());
+  }
+  CHECK(play.monitor.report().alarms == 0);
+  CHECK(play.monitor.report().implausible.empty());
+}
+
+// eq. MON-2.
+TEST_CASE("monitor: a view that changes as a whole is an alarm within two tenths of a second") {
+  Play play;
+  play.calm(20);
+  play.room = 9.0;
+  play.next();
+  CHECK(play.monitor.alarm());
+  CHECK(play.monitor.report().alarms == 1);
+  CHECK_THAT(play.monitor.alarm().value_or(""), Contains("of the view changed within 0.1 s"));
+}
+
+TEST_CASE("monitor: after a time without points another view is no alarm") {
+  Play play;
+  play.calm(20);
+  play.room = 9.0;
+  play.t += kSecond;
+  play.calm(10);
+}
+
+// eq. MON-3.
+TEST_CASE("monitor: residuals that rise while the points pull the state are an alarm, residuals alone are not") {
+  Play play;
+  play.calm(30);
+  play.update.residual_rms = 0.06;
+  play.calm(20);
+  Play pulled;
+  pulled.calm(30);
+  pulled.pulled = true;
+  pulled.update.residual_rms = 0.1;
+  pulled.update.state.v = Vec3(0.1, 0, 0);
+  int windows = 0;
+  while (!pulled.monitor.alarm() && windows < 10) {
+    pulled.next();
+    ++windows;
+  }
+  CHECK(windows <= 5);
+  CHECK_THAT(pulled.monitor.alarm().value_or(""), Contains("the points fit no longer"));
+}
+
+TEST_CASE("monitor: points that contradict the gyro's turn name the extrinsic") {
+  Play play;
+  play.rate = Vec3(0, 0, 0.5);
+  play.calm(12);
+  play.update.state.R = exp_so3(Vec3(0, 0, -0.02));  // of 0.05 rad per window
+  for (int i = 0; i < 20 && !play.monitor.alarm(); ++i) play.next();
+  CHECK_THAT(play.monitor.alarm().value_or(""), Contains("check T_imu_lidar"));
+  Play without;
+  without.monitor.begin(false);  // a prior that knows nothing of the gyro
+  without.rate = Vec3(0, 0, 0.5);
+  without.calm(12);
+  without.update.state.R = exp_so3(Vec3(0, 0, -0.02));
+  without.calm(20);
+}
+
+// eq. MON-4.
+TEST_CASE("monitor: a learnt state beyond what a part can have is implausible, with several sigma of evidence") {
+  Play play;
+  play.calm(12);
+  play.update.state.S_w(0, 0) = -0.025;
+  const int at = block::s;
+  play.update.P(at, at) = 0.02 * 0.02;
+  play.calm(10);
+  CHECK(play.monitor.report().implausible.empty());  // as good as unknown
+  play.update.P(at, at) = 0.004 * 0.004;
+  play.calm(10);
+  CHECK_THAT(play.monitor.report().implausible, Contains("-2.5 +- 0.4 %") && Contains("check T_imu_lidar"));
+  play.update.state.S_w(0, 0) = 1.49;
+  for (int i = 0; i < 3; ++i) play.next();
+  CHECK_THAT(play.monitor.alarm().value_or(""), Contains("+149 +- 0.4 %"));
+}
+
+TEST_CASE("monitor: a delay, a bias of the gyro and one of the accelerometer are named") {
+  const auto text = [](const std::function<void(NavState&)>& change) {
+    Play play;
+    change(play.update.state);
+    play.next();
+    return play.monitor.report().implausible;
+  };
+  CHECK_THAT(text([](NavState& x) { x.imu_delay = 0.021; }), Contains("IMU delay +21 +- 1 ms"));
+  CHECK_THAT(text([](NavState& x) { x.b_w.y() = 0.2; }), Contains("gyro bias +0.2"));
+  CHECK_THAT(text([](NavState& x) { x.b_a.z() = -2; }), Contains("accelerometer bias -2"));
+  CHECK(text([](NavState& x) { x.imu_delay = 0.004; }).empty());
+}
+
+TEST_CASE("monitor: the direction that is not bound is named, once it lasts for a second") {
+  Play play;
+  play.update.left_open = true;
+  play.update.P(block::p, block::p) = 0.04;
+  play.calm(9);
+  CHECK(unbound_text(play.monitor.report()).empty());
+  play.calm(5);
+  CHECK(unbound_text(play.monitor.report()) == "translation along x of the body is not bound (1.4 s)");
+  play.update.P(block::p, block::p) = 1e-6;
+  play.update.P(block::theta + 2, block::theta + 2) = 0.01;
+  play.calm(20);
+  CHECK_THAT(unbound_text(play.monitor.report()), Contains("yaw is not bound (2.0 s)"));
+}
+
+TEST_CASE("monitor: nothing is usual within the first second, nor after a new start") {
+  Play play;
+  play.calm(20);
+  play.monitor.begin(true);
+  play.room = 9.0;
+  play.update.residual_rms = 0.2;
+  play.calm(8);
+}
