@@ -104,6 +104,7 @@ class Odometry::Loop {
       const stream::ClockJump& jump = stream_.clock_jumps()[clock_jumps_];
       if (!started()) continue;
       new_start_.reset();
+      found_start_.reset();
       tracking_.observe_clock_jump(jump.t, jump.by);
     }
   }
