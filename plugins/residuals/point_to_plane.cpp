@@ -39,7 +39,14 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
       "if the variance of each were sigma^2 + N plane_sigma^2");
 }
 
-PointToPlane::PointToPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
+PointToPlane::PointToPlane(const Params& params, const BuildContext& context)
+    : params_(params), gate_(params.gate), kernel_width_(params.kernel_width), exec_(context.exec) {}
+
+/// eq. NOI-2.
+void PointToPlane::set_noise_scale(double scale) {
+  gate_ = params_.gate / (scale * scale);
+  kernel_width_ = params_.kernel_width * scale;
+}
 
 MapQuery PointToPlane::query() const {
   MapQuery query;
@@ -94,7 +101,7 @@ void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& ne
 }
 
 double PointToPlane::weight(double r) const {
-  const double scaled = std::abs(r) / params_.kernel_width;
+  const double scaled = std::abs(r) / kernel_width_;
   switch (params_.kernel) {
     case Kernel::none:
       return 1.0;
@@ -119,7 +126,7 @@ void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> 
       const double r = surface.normal.dot(world[i] - surface.anchor);
       if (!std::isfinite(r)) continue;
       rows[i] = {r, surface.normal, 0.0};
-      const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
+      const bool inside = gate_ == 0 || static_cast<double>(range[i]) > gate_ * r * r;
       if (!inside || !(std::abs(r) <= farthest)) continue;
       const double information = shared ? 1.0 / (variance + surface.sharers * common) : alone;  // eq. RES-5
       rows[i].information = surface.quality * weight(r) * information;

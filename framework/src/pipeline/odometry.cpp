@@ -29,7 +29,8 @@ class Odometry::Loop {
         sensor_(context.sensor),
         start_offset_(start_offset(context.order_seed)),
         anew_{context.exec, sensor_, context.log, context.order_seed, true},
-        tracking_(config.limits, context.sensor.sweep_period) {
+        tracking_(config.limits, context.sensor.sweep_period),
+        range_noise_(config.range_noise, context.sensor) {
     take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
   }
@@ -53,6 +54,8 @@ class Odometry::Loop {
 
   void step(const WindowPlan& plan, UpdateRecord& record) {
     const Window window = stream_.cut(plan, ++sequence_);
+    range_noise_.observe(window.fresh);
+    if (range_noise_.scale() != noise_scale_) apply_noise_scale();
     const HistorySelection past = stages_.history->select(window);
     {
       const CpuTimer timer(record.times.insert);
@@ -167,6 +170,14 @@ class Odometry::Loop {
   void take(StageSet stages) {
     stages_ = std::move(stages);
     probe_.emplace(stream_, *stages_.estimator, stages_.samplers, *stages_.overlap, sensor_);
+    noise_scale_ = 1;
+    if (range_noise_.scale() != noise_scale_) apply_noise_scale();
+  }
+
+  void apply_noise_scale() {
+    noise_scale_ = range_noise_.scale();
+    stages_.map->set_noise_scale(noise_scale_);
+    stages_.estimator->set_noise_scale(noise_scale_);
   }
 
   void begin(const InitialState& initial) {
@@ -263,6 +274,8 @@ class Odometry::Loop {
   std::optional<PriorProbe> probe_;
   double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
   Tracking tracking_;
+  RangeNoise range_noise_;
+  double noise_scale_ = 1;  ///< that the stages know of
   std::vector<UpdateObserver*> observers_;
   std::optional<Initialisation> initialisation_;
   Feedback feedback_;
@@ -300,5 +313,6 @@ const std::optional<Initialisation>& Odometry::initialisation() const { return l
 const stream::MeasurementStream& Odometry::stream() const { return loop_->stream_; }
 const Map& Odometry::map() const { return *loop_->stages_.map; }
 const OverlapMetric& Odometry::overlap() const { return *loop_->stages_.overlap; }
+const RangeNoise& Odometry::range_noise() const { return loop_->range_noise_; }
 
 }  // namespace aslio::pipeline
