@@ -92,6 +92,7 @@ void RangeNoiseMeter::add(const TimedPoint& point) {
   run.count = 0;
 }
 
+/// eq. NOI-1.
 void RangeNoiseMeter::judge(const std::array<double, kGroup>& range) {
   static const Polynomials<kGroup> polynomials;
   double mean = 0;
@@ -142,6 +143,7 @@ RangeNoise::RangeNoise(const RangeNoiseParams& params, const SensorModel& sensor
       declared_(params.tuned_for ? sensor.range_sigma / *params.tuned_for : 1.0),
       meter_(sensor) {}
 
+/// eq. NOI-2.
 void RangeNoise::observe(std::span<const TimedPoint> points) {
   meter_.observe(points);
   if (!params_.tuned_for || !params_.adapt) return;

@@ -212,3 +212,30 @@ TEST_CASE("cells found by the batch are those of one point at a time, at every e
   }
   CHECK(without > 500);
 }
+
+TEST_CASE("voxel_plane: what is too thick for the noise is a plane once more noise is known of (eq. NOI-2)") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, thickness: 0.023, max_points: 300}");
+  planes.floor(0, 1, 0.5, 300, 1, 0.08);  // 0.046 r.m.s.; the voxel is closed and takes no more points
+  const Vec3 middle(0.5, 0.5, 0.5);
+  CHECK_FALSE(planes.at_point(middle).valid);
+  planes.map->set_noise_scale(1.5);
+  CHECK_FALSE(planes.at_point(middle).valid);
+  planes.map->set_noise_scale(3.0);
+  const Surface found = planes.at_point(middle);
+  REQUIRE(found.valid);
+  CHECK(std::abs(found.normal.z()) > 0.98);
+  CHECK(found.anchor.z() == Approx(0.5).margin(0.015));
+}
+
+TEST_CASE("voxel_plane: factors of the noise do not multiply up, and one changes nothing (eq. NOI-2)") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, thickness: 0.023, max_points: 300}");
+  planes.map->set_noise_scale(1.5);
+  planes.map->set_noise_scale(1.5);
+  planes.map->set_noise_scale(1.0);
+  planes.floor(0, 1, 0.5, 300, 1, 0.065);  // 0.0375 r.m.s.
+  CHECK_FALSE(planes.at_point({0.5, 0.5, 0.5}).valid);
+  planes.map->set_noise_scale(1.5);  // 0.0345 is too little
+  CHECK_FALSE(planes.at_point({0.5, 0.5, 0.5}).valid);
+  planes.map->set_noise_scale(1.75);
+  CHECK(planes.at_point({0.5, 0.5, 0.5}).valid);
+}
