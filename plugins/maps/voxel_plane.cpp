@@ -20,6 +20,8 @@ constexpr std::uint32_t kNone = CellIndex::kNone;
 constexpr double kLeastSpread = 0.05;
 /// Of a direction in the plane to the thickness: a clump spans none.
 constexpr double kLeastAspect = 9;
+/// The same where noise makes planes thick: in a voxel of 0.5 m, 9 is more than any plane has with 5 cm of noise.
+constexpr double kLeastNoisyAspect = 2;
 /// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels: what is below it is
 /// rounding, and may be negative. Of up to kRoundingPoints; of more, it grows as fast as their square at most.
 constexpr double kRounding = 1e-6, kRoundingPoints = 500;
@@ -70,7 +72,11 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 }
 
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context, double phase)
-    : params_(params), thickness_(params.thickness), offset_(kOffset + Vec3::Constant(phase)), exec_(context.exec) {}
+    : params_(params),
+      thickness_(params.thickness),
+      aspect_(kLeastAspect),
+      offset_(kOffset + Vec3::Constant(phase)),
+      exec_(context.exec) {}
 
 // `inline` here is for speed: these are asked for every point, and gcc makes calls of them where the linker might need
 // them elsewhere (with those of the voxel sampler 0.93 of the time of a run, the same bits).
@@ -366,7 +372,7 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   const double rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2));
   const double thin = std::max(variance[0], rounding * params_.voxel * params_.voxel);
   const bool planar = variance[0] < thickness_ * thickness_ && variance[1] > kLeastSpread * variance[2] &&
-                      variance[1] > kLeastAspect * thin && solver.eigenvectors().allFinite();
+                      variance[1] > aspect_ * thin && solver.eigenvectors().allFinite();
   if (planar && !node.planar) node.stamp = stamp;
   node.planar = planar;
   node.mean = mean.cast<float>();
@@ -385,6 +391,7 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
 /// parts are gone.
 void VoxelPlane::set_noise_scale(double scale) {
   const double before = std::exchange(thickness_, params_.thickness * scale);
+  aspect_ = std::clamp(kLeastAspect / (scale * scale), kLeastNoisyAspect, kLeastAspect);
   if (thickness_ <= before) return;
   for (std::uint32_t number = 0; number < roots_.size(); ++number)
     if (roots_[number].in_use) judge_again(roots_[number].node);

@@ -129,6 +129,7 @@ class VoxelPlane final : public Map {
 
   Params params_;
   double thickness_;  ///< for the noise there is [m]
+  double aspect_;     ///< least variance in a plane over that across it
   std::uint32_t last_stamp_ = 0;
   Vec3 offset_;  ///< of the grid against the origin, in voxels
   exec::Executor& exec_;

@@ -40,13 +40,10 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
 }
 
 PointToPlane::PointToPlane(const Params& params, const BuildContext& context)
-    : params_(params), gate_(params.gate), kernel_width_(params.kernel_width), exec_(context.exec) {}
+    : params_(params), kernel_width_(params.kernel_width), exec_(context.exec) {}
 
 /// eq. NOI-2.
-void PointToPlane::set_noise_scale(double scale) {
-  gate_ = params_.gate / (scale * scale);
-  kernel_width_ = params_.kernel_width * scale;
-}
+void PointToPlane::set_noise_scale(double scale) { kernel_width_ = params_.kernel_width * scale; }
 
 MapQuery PointToPlane::query() const {
   MapQuery query;
@@ -126,7 +123,7 @@ void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> 
       const double r = surface.normal.dot(world[i] - surface.anchor);
       if (!std::isfinite(r)) continue;
       rows[i] = {r, surface.normal, 0.0};
-      const bool inside = gate_ == 0 || static_cast<double>(range[i]) > gate_ * r * r;
+      const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
       if (!inside || !(std::abs(r) <= farthest)) continue;
       const double information = shared ? 1.0 / (variance + surface.sharers * common) : alone;  // eq. RES-5
       rows[i].information = surface.quality * weight(r) * information;

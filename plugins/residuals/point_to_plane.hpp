@@ -49,7 +49,7 @@ class PointToPlane final : public Residual {
   double weight(double r) const;
 
   Params params_;
-  double gate_, kernel_width_;  ///< for the noise there is
+  double kernel_width_;  ///< for the noise there is [m]
   exec::Executor& exec_;
 };
 

@@ -51,7 +51,7 @@ struct Polynomials {
 
 void RangeNoiseParams::describe(config::Binder& b, RangeNoiseParams& p) {
   b.optional_real("tuned_for", p.tuned_for, "m", {.min = 1e-4, .max = 1.0}, "lengths are absolute",
-                  "range noise that sigma, thickness, kernel width and gate of this file were chosen for: they grow "
+                  "range noise that sigma, thickness and kernel width of this file were chosen for: they grow "
                   "with range_sigma of the sensor file");
   b.flag("adapt", p.adapt, "with tuned_for: they grow, too, where a run sees clearly more noise than is declared");
 }

@@ -239,3 +239,23 @@ TEST_CASE("voxel_plane: factors of the noise do not multiply up, and one changes
   planes.map->set_noise_scale(1.75);
   CHECK(planes.at_point({0.5, 0.5, 0.5}).valid);
 }
+
+TEST_CASE("voxel_plane: noise of a sixth of a voxel's edge leaves planes, and no clump is one (eq. NOI-2)") {
+  Planes planes("{type: voxel_plane, voxel: 0.5, levels: 1, thickness: 0.023, max_points: 300}", 0.5);
+  const auto fill = [&](double x, double half) {
+    std::vector<WorldPoint> points;
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 flat(planes.uniform(0, 0.5), planes.uniform(0, 0.5), 0.25);
+      const Vec3 clump = Vec3::Constant(0.25) + planes.uniform.in_box(Vec3::Zero(), half);
+      const Vec3 p = half > 0 ? clump : Vec3(flat + Vec3(0, 0, planes.uniform(-0.104, 0.104)));  // 0.06 r.m.s.
+      points.push_back(at(planes.corner + p + Vec3(x, 0, 0)));
+    }
+    planes.map->insert(points, 1);
+  };
+  fill(0, 0);
+  fill(0.5, 0.1);
+  CHECK_FALSE(planes.at_point({0.25, 0.25, 0.25}).valid);
+  planes.map->set_noise_scale(3.0);
+  CHECK(planes.at_point({0.25, 0.25, 0.25}).valid);
+  CHECK_FALSE(planes.at_point({0.75, 0.25, 0.25}).valid);
+}

@@ -298,7 +298,7 @@ TEST_CASE("planes do not depend on the place in the batch, nor on what else is i
   REQUIRE(a.anchor == b.anchor);
 }
 
-TEST_CASE("gate and kernel follow the noise (eq. NOI-2)") {
+TEST_CASE("the kernel follows the noise, the gate stays (eq. NOI-2)") {
   test::BuildEnvironment environment;
   PointToPlane::Params params;
   params.gate = 81;
@@ -318,8 +318,7 @@ TEST_CASE("gate and kernel follow the noise (eq. NOI-2)") {
   CHECK(information(0.3, 5.0F, 0.02) == 0.0);  // 0.25 m at 5 m
   residual.set_noise_scale(3.0);
   CHECK(information(0.105, 5.0F, 0.06) == Approx(0.5 / (0.06 * 0.06)));
-  CHECK(information(0.3, 5.0F, 0.06) > 0.0);
-  CHECK(information(0.8, 5.0F, 0.06) == 0.0);  // 0.75 m
+  CHECK(information(0.3, 5.0F, 0.06) == 0.0);
   residual.set_noise_scale(1.0);
   CHECK(information(0.035, 5.0F, 0.02) == at_width);
 }
