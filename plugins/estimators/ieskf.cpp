@@ -25,6 +25,7 @@ Vec6 direction_scale() {
 
 Ieskf::Ieskf(const Params& params, const BuildContext& context)
     : params_(params),
+      sigma_(params.sigma),
       exec_(context.exec),
       sensor_(context.sensor),
       motion_(params.motion.make(context)),
@@ -168,11 +169,11 @@ Ieskf::Gate Ieskf::gate_of_prior() const {
     return Eigen::SelfAdjointEigenSolver<Mat3>(P_.block<3, 3>(at, at), Eigen::EigenvaluesOnly).eigenvalues()[2];
   };
   const double square = params_.innovation_gate * params_.innovation_gate;
-  return {square * (params_.sigma * params_.sigma + largest(block::p)), square * largest(block::theta)};
+  return {square * (sigma_ * sigma_ + largest(block::p)), square * largest(block::theta)};
 }
 
 WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, const Gate& gate) {
-  residual_->evaluate(set.world, set.range, set.surfaces, params_.sigma, set.rows);
+  residual_->evaluate(set.world, set.range, set.surfaces, sigma_, set.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   const Mat3 Rt = at.R.transpose();
   const auto sum_of = [&](std::size_t begin, std::size_t end) {
@@ -303,7 +304,7 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySe
     associate(fresh_, at, context.map, 0xffffffff);
     sums.fresh = evaluate(fresh_, at, gate_);
   }
-  const double history_gate = context.histories.gate(params_.sigma);
+  const double history_gate = context.histories.gate(sigma_);
   sums.history = evaluate(history_, at, {history_gate * history_gate, 0});
   result_.fresh_matches = static_cast<std::uint32_t>(matches(sums.fresh));
   result_.history_matches = static_cast<std::uint32_t>(matches(sums.history));
@@ -451,7 +452,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
 /// Residuals of the fresh points at the posterior: the normal equations are not needed any more.
 void Ieskf::record_residuals() {
   place(fresh_, state_);
-  residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, params_.sigma, fresh_.rows);
+  residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, sigma_, fresh_.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   for (std::size_t i = 0; i < fresh_.body.size(); ++i) {
     const auto rows = std::span<ResidualRow>(fresh_.rows).subspan(i * rows_per_match, rows_per_match);

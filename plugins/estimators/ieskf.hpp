@@ -62,6 +62,10 @@ class Ieskf final : public Estimator {
   }
   void reset(const InitialState& initial) override;
   void adopt(const InertialEstimate& better) override { better.put(state_); }
+  void set_noise_scale(double scale) override {  // eq. NOI-2
+    sigma_ = params_.sigma * scale;
+    residual_->set_noise_scale(scale);
+  }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;
@@ -130,6 +134,7 @@ class Ieskf final : public Estimator {
   void finish(bool predicted);
 
   Params params_;
+  double sigma_;  ///< of a residual, for the noise there is [m]
   exec::Executor& exec_;
   SensorModel sensor_;
   std::unique_ptr<MotionModel> motion_;

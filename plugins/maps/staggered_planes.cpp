@@ -35,6 +35,10 @@ InsertCount StaggeredPlanes::insert(std::span<const WorldPoint> points, std::uin
   return most;
 }
 
+void StaggeredPlanes::set_noise_scale(double scale) {
+  for (const auto& grid : grids_) grid->set_noise_scale(scale);
+}
+
 void StaggeredPlanes::trim(const Vec3& centre_W) {
   for (const auto& grid : grids_) grid->trim(centre_W);
 }

@@ -28,6 +28,7 @@ class StaggeredPlanes final : public Map {
   void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override;
   /// Inserted: as many as the grid that took most.
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
+  void set_noise_scale(double scale) override;
   void trim(const Vec3& centre_W) override;
   void clear() override;
   /// Of the first grid, as what visit() tells: all have the same points.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace aslio::plugins {
 
@@ -19,6 +20,8 @@ constexpr std::uint32_t kNone = CellIndex::kNone;
 constexpr double kLeastSpread = 0.05;
 /// Of a direction in the plane to the thickness: a clump spans none.
 constexpr double kLeastAspect = 9;
+/// The same where noise makes planes thick: in a voxel of 0.5 m, 9 is more than any plane has with 5 cm of noise.
+constexpr double kLeastNoisyAspect = 2;
 /// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels: what is below it is
 /// rounding, and may be negative. Of up to kRoundingPoints; of more, it grows as fast as their square at most.
 constexpr double kRounding = 1e-6, kRoundingPoints = 500;
@@ -69,7 +72,11 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 }
 
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context, double phase)
-    : params_(params), offset_(kOffset + Vec3::Constant(phase)), exec_(context.exec) {}
+    : params_(params),
+      thickness_(params.thickness),
+      aspect_(kLeastAspect),
+      offset_(kOffset + Vec3::Constant(phase)),
+      exec_(context.exec) {}
 
 // `inline` here is for speed: these are asked for every point, and gcc makes calls of them where the linker might need
 // them elsewhere (with those of the voxel sampler 0.93 of the time of a run, the same bits).
@@ -181,6 +188,7 @@ inline const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen
 }
 
 InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
+  last_stamp_ = stamp;
   InsertCount count{points.size(), 0};
   CellBatch cells;
   std::array<std::uint32_t, kBatch> roots{};
@@ -262,7 +270,7 @@ inline std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vect
   if (node != nullptr) {
     const float away = node->sided ? view.dot(node->normal) : 0;
     const float distance = std::abs((p - node->mean).dot(node->normal));
-    if (away <= 0 || (away <= kGrazing && distance <= kOwn * static_cast<float>(params_.thickness))) return first;
+    if (away <= 0 || (away <= kGrazing && distance <= kOwn * static_cast<float>(thickness_))) return first;
   } else if (view.dot(sum_of(root.node.view)) >= 0) {
     return first;
   }
@@ -287,7 +295,7 @@ void VoxelPlane::unite(std::uint32_t first) {
   squares << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
   const double off = normal.dot(mean - node.mean.cast<double>());
   const double across = normal.dot(squares * normal) / rest.count - std::pow(normal.dot(mean), 2);
-  if (off * off + across > params_.thickness * params_.thickness) return;
+  if (off * off + across > thickness_ * thickness_) return;
   Node both = node;
   both.count += rest.count;
   both.sum += rest.sum;
@@ -363,8 +371,8 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   const Vec3& variance = solver.eigenvalues();  // ascending
   const double rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2));
   const double thin = std::max(variance[0], rounding * params_.voxel * params_.voxel);
-  const bool planar = variance[0] < params_.thickness * params_.thickness && variance[1] > kLeastSpread * variance[2] &&
-                      variance[1] > kLeastAspect * thin && solver.eigenvectors().allFinite();
+  const bool planar = variance[0] < thickness_ * thickness_ && variance[1] > kLeastSpread * variance[2] &&
+                      variance[1] > aspect_ * thin && solver.eigenvectors().allFinite();
   if (planar && !node.planar) node.stamp = stamp;
   node.planar = planar;
   node.mean = mean.cast<float>();
@@ -377,6 +385,26 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   node.longest = static_cast<float>(variance[2]);
   node.shortest = static_cast<float>(variance[1]);
   if (planar && closed(node)) give_back(node);  // its parts will never be asked for
+}
+
+/// eq. NOI-2. What was too thick before may be a plane now. What is one stays one: of a plane that was closed, the
+/// parts are gone.
+void VoxelPlane::set_noise_scale(double scale) {
+  const double before = std::exchange(thickness_, params_.thickness * scale);
+  aspect_ = std::clamp(kLeastAspect / (scale * scale), kLeastNoisyAspect, kLeastAspect);
+  if (thickness_ <= before) return;
+  for (std::uint32_t number = 0; number < roots_.size(); ++number)
+    if (roots_[number].in_use) judge_again(roots_[number].node);
+}
+
+void VoxelPlane::judge_again(Node& node) {
+  if (node.planar) return;
+  if (node.next_fit > 0) {
+    node.next_fit = 0;
+    fit(node, last_stamp_);
+  }
+  if (node.planar || node.children == kNone) return;
+  for (std::uint32_t i = 0; i < 8; ++i) judge_again(nodes_[node.children + i]);
 }
 
 /// eq. MAP-2.
@@ -426,6 +454,7 @@ void VoxelPlane::clear() {
   nodes_.clear();
   free_blocks_.clear();
   roots_in_use_ = 0;
+  last_stamp_ = 0;
   trims_.reset();
 }
 

@@ -62,6 +62,7 @@ class VoxelPlane final : public Map {
   /// Those of a share of the queries; the rest of `out` stays as it is.
   void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out, Share share) const;
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
+  void set_noise_scale(double scale) override;
   void trim(const Vec3& centre_W) override;
   void clear() override;
   /// Voxels of the coarsest level, those of two parts twice.
@@ -117,6 +118,7 @@ class VoxelPlane final : public Map {
   inline bool add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view);
   static inline void sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view);
   void fit(Node& node, std::uint32_t stamp);
+  void judge_again(Node& node);
   bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
   inline double quality(const Node& node, const Eigen::Vector3f& p) const;
   void drop(std::uint32_t first);
@@ -126,6 +128,9 @@ class VoxelPlane final : public Map {
                             std::uint32_t max_stamp) const;
 
   Params params_;
+  double thickness_;  ///< for the noise there is [m]
+  double aspect_;     ///< least variance in a plane over that across it
+  std::uint32_t last_stamp_ = 0;
   Vec3 offset_;  ///< of the grid against the origin, in voxels
   exec::Executor& exec_;
   CellIndex index_;

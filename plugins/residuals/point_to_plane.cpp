@@ -39,7 +39,11 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
       "if the variance of each were sigma^2 + N plane_sigma^2");
 }
 
-PointToPlane::PointToPlane(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
+PointToPlane::PointToPlane(const Params& params, const BuildContext& context)
+    : params_(params), kernel_width_(params.kernel_width), exec_(context.exec) {}
+
+/// eq. NOI-2.
+void PointToPlane::set_noise_scale(double scale) { kernel_width_ = params_.kernel_width * scale; }
 
 MapQuery PointToPlane::query() const {
   MapQuery query;
@@ -94,7 +98,7 @@ void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& ne
 }
 
 double PointToPlane::weight(double r) const {
-  const double scaled = std::abs(r) / params_.kernel_width;
+  const double scaled = std::abs(r) / kernel_width_;
   switch (params_.kernel) {
     case Kernel::none:
       return 1.0;

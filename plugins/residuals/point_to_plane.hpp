@@ -38,6 +38,7 @@ class PointToPlane final : public Residual {
   MapQuery query() const override;
   bool surfaces_from_map() const override { return params_.planes == Planes::map; }
   bool counts_sharers() const override { return surfaces_from_map() && params_.plane_sigma > 0.0; }
+  void set_noise_scale(double scale) override;
   void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) override;
   void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                 double sigma, std::span<ResidualRow> rows) override;
@@ -48,6 +49,7 @@ class PointToPlane final : public Residual {
   double weight(double r) const;
 
   Params params_;
+  double kernel_width_;  ///< for the noise there is [m]
   exec::Executor& exec_;
 };
 

@@ -236,6 +236,19 @@ void gather(Summary& summary, const pipeline::Odometry& odometry, const io::Meas
   summary.monitor = odometry.monitor();
 }
 
+/// What the points scatter, against what the sensor file says.
+void gather_noise(Summary& summary, const pipeline::RangeNoise& noise, const SensorModel& sensor) {
+  constexpr double clearly = 1.5;
+  summary.range_sigma = sensor.range_sigma;
+  summary.range_sigma_seen = noise.range_sigma_seen();
+  summary.noise_scale = noise.scale();
+  if (!summary.range_sigma_seen) return;
+  const double ratio = *summary.range_sigma_seen / sensor.range_sigma;
+  if (ratio <= clearly && clearly * ratio >= 1) return;
+  summary.notes.push_back(fmt::format("range noise seen {:.3f} m, sensor file says range_sigma {:.3g}",
+                                      *summary.range_sigma_seen, sensor.range_sigma));
+}
+
 /// A run is worth keeping although its reference turns out not to fit.
 void measure(Summary& summary, const std::vector<StampedPose>& poses, const Trajectory& reference) {
   try {
@@ -321,6 +334,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
                         to_ns(prepared.pipeline.value.limits.max_gap));
   if (!options.closed_loop) summary.end_to_end_m.reset();
   gather(summary, odometry, *source);
+  gather_noise(summary, odometry.range_noise(), sensor);
   loop.close_outputs(outcome);
   outputs.reset();  // what could not be written makes room for what says so
   summary.cpu_s = process_cpu_seconds() - cpu_start;

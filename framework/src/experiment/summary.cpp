@@ -227,6 +227,9 @@ std::string to_json(const Summary& s) {
   out["peak_rss_mb"] = s.peak_rss_mb;
   out["longest_imu_gap_s"] = s.longest_imu_gap_s;
   out["longest_lidar_gap_s"] = s.longest_lidar_gap_s;
+  out["range_sigma"] = s.range_sigma;
+  out["range_sigma_seen"] = or_null(s.range_sigma_seen);
+  out["noise_scale"] = s.noise_scale;
   out["initialisation"] = s.initialisation;
   out["notes"] = s.notes;
   out["calibration"] = calibration(s);

@@ -33,7 +33,8 @@ class Odometry::Loop {
         anew_{context.exec, sensor_, context.log, context.order_seed, true},
         stream_(stream::ImuRange{sensor_.gyro_range, sensor_.acc_range}),
         tracking_(config.limits, context.sensor.sweep_period),
-        monitor_(context.sensor) {
+        monitor_(context.sensor),
+        range_noise_(config.range_noise, context.sensor) {
     take(std::move(stages));
     if (!stages_.estimator->uses_imu()) stream_.leave_imu_out();
   }
@@ -58,6 +59,8 @@ class Odometry::Loop {
   void step(const WindowPlan& plan, UpdateRecord& record) {
     Window window = stream_.cut(plan, ++sequence_);
     doubted_imu_.mend(window, feedback_.state);
+    range_noise_.observe(window.fresh);
+    if (range_noise_.scale() != noise_scale_) apply_noise_scale();
     const HistorySelection past = stages_.history->select(window);
     {
       const CpuTimer timer(record.times.insert);
@@ -213,6 +216,14 @@ class Odometry::Loop {
   void take(StageSet stages) {
     stages_ = std::move(stages);
     probe_.emplace(stream_, *stages_.estimator, stages_.samplers, *stages_.overlap, sensor_);
+    noise_scale_ = 1;
+    if (range_noise_.scale() != noise_scale_) apply_noise_scale();
+  }
+
+  void apply_noise_scale() {
+    noise_scale_ = range_noise_.scale();
+    stages_.map->set_noise_scale(noise_scale_);
+    stages_.estimator->set_noise_scale(noise_scale_);
   }
 
   void begin(const InitialState& initial) {
@@ -323,6 +334,8 @@ class Odometry::Loop {
   double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
   Tracking tracking_;
   Monitor monitor_;
+  RangeNoise range_noise_;
+  double noise_scale_ = 1;  ///< that the stages know of
   std::vector<UpdateObserver*> observers_;
   std::optional<Initialisation> initialisation_;
   Feedback feedback_;
@@ -364,5 +377,6 @@ const std::optional<Initialisation>& Odometry::initialisation() const { return l
 const stream::MeasurementStream& Odometry::stream() const { return loop_->stream_; }
 const Map& Odometry::map() const { return *loop_->stages_.map; }
 const OverlapMetric& Odometry::overlap() const { return *loop_->stages_.overlap; }
+const RangeNoise& Odometry::range_noise() const { return loop_->range_noise_; }
 
 }  // namespace aslio::pipeline

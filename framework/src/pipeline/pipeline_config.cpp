@@ -12,6 +12,7 @@ void PipelineConfig::describe(config::Binder& b, PipelineConfig& p) {
   b.stage("insertion", p.insertion, "what enters the map, and when");
   b.stage("estimator", p.estimator, "the state, given all that");
   b.group("initialisation", p.initialisation, "where the first state comes from");
+  b.group("range_noise", p.range_noise, "which noise of ranges the lengths of the stages were chosen for");
   b.real("max_speed", p.limits.max_speed, "m/s", {.above = 0}, "a faster state has diverged");
   b.real("max_silence", p.limits.max_silence, "s", {.above = 0, .max = 1e6},
          "so has a run without an accepted update for longer than this");

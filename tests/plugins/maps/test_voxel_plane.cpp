@@ -212,3 +212,50 @@ TEST_CASE("cells found by the batch are those of one point at a time, at every e
   }
   CHECK(without > 500);
 }
+
+TEST_CASE("voxel_plane: what is too thick for the noise is a plane once more noise is known of (eq. NOI-2)") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, thickness: 0.023, max_points: 300}");
+  planes.floor(0, 1, 0.5, 300, 1, 0.08);  // 0.046 r.m.s.; the voxel is closed and takes no more points
+  const Vec3 middle(0.5, 0.5, 0.5);
+  CHECK_FALSE(planes.at_point(middle).valid);
+  planes.map->set_noise_scale(1.5);
+  CHECK_FALSE(planes.at_point(middle).valid);
+  planes.map->set_noise_scale(3.0);
+  const Surface found = planes.at_point(middle);
+  REQUIRE(found.valid);
+  CHECK(std::abs(found.normal.z()) > 0.98);
+  CHECK(found.anchor.z() == Approx(0.5).margin(0.015));
+}
+
+TEST_CASE("voxel_plane: factors of the noise do not multiply up, and one changes nothing (eq. NOI-2)") {
+  Planes planes("{type: voxel_plane, voxel: 1.0, levels: 1, thickness: 0.023, max_points: 300}");
+  planes.map->set_noise_scale(1.5);
+  planes.map->set_noise_scale(1.5);
+  planes.map->set_noise_scale(1.0);
+  planes.floor(0, 1, 0.5, 300, 1, 0.065);  // 0.0375 r.m.s.
+  CHECK_FALSE(planes.at_point({0.5, 0.5, 0.5}).valid);
+  planes.map->set_noise_scale(1.5);  // 0.0345 is too little
+  CHECK_FALSE(planes.at_point({0.5, 0.5, 0.5}).valid);
+  planes.map->set_noise_scale(1.75);
+  CHECK(planes.at_point({0.5, 0.5, 0.5}).valid);
+}
+
+TEST_CASE("voxel_plane: noise of a sixth of a voxel's edge leaves planes, and no clump is one (eq. NOI-2)") {
+  Planes planes("{type: voxel_plane, voxel: 0.5, levels: 1, thickness: 0.023, max_points: 300}", 0.5);
+  const auto fill = [&](double x, double half) {
+    std::vector<WorldPoint> points;
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 flat(planes.uniform(0, 0.5), planes.uniform(0, 0.5), 0.25);
+      const Vec3 clump = Vec3::Constant(0.25) + planes.uniform.in_box(Vec3::Zero(), half);
+      const Vec3 p = half > 0 ? clump : Vec3(flat + Vec3(0, 0, planes.uniform(-0.104, 0.104)));  // 0.06 r.m.s.
+      points.push_back(at(planes.corner + p + Vec3(x, 0, 0)));
+    }
+    planes.map->insert(points, 1);
+  };
+  fill(0, 0);
+  fill(0.5, 0.1);
+  CHECK_FALSE(planes.at_point({0.25, 0.25, 0.25}).valid);
+  planes.map->set_noise_scale(3.0);
+  CHECK(planes.at_point({0.25, 0.25, 0.25}).valid);
+  CHECK_FALSE(planes.at_point({0.75, 0.25, 0.25}).valid);
+}

@@ -297,3 +297,28 @@ TEST_CASE("planes do not depend on the place in the batch, nor on what else is i
   REQUIRE(a.normal == b.normal);
   REQUIRE(a.anchor == b.anchor);
 }
+
+TEST_CASE("the kernel follows the noise, the gate stays (eq. NOI-2)") {
+  test::BuildEnvironment environment;
+  PointToPlane::Params params;
+  params.gate = 81;
+  params.kernel = PointToPlane::Kernel::cauchy;
+  params.kernel_width = 0.035;
+  PointToPlane residual(params, environment.context());
+  Surface floor;
+  floor.normal = Vec3::UnitZ();
+  floor.valid = true;
+  const auto information = [&](double r, float range, double sigma) {
+    std::vector<ResidualRow> row(1);
+    residual.evaluate(std::vector<Vec3>{{0, 0, r}}, std::vector<float>{range}, std::vector<Surface>{floor}, sigma, row);
+    return row[0].information;
+  };
+  const double at_width = information(0.035, 5.0F, 0.02);
+  CHECK(at_width == Approx(0.5 / (0.02 * 0.02)));
+  CHECK(information(0.3, 5.0F, 0.02) == 0.0);  // 0.25 m at 5 m
+  residual.set_noise_scale(3.0);
+  CHECK(information(0.105, 5.0F, 0.06) == Approx(0.5 / (0.06 * 0.06)));
+  CHECK(information(0.3, 5.0F, 0.06) == 0.0);
+  residual.set_noise_scale(1.0);
+  CHECK(information(0.035, 5.0F, 0.02) == at_width);
+}

@@ -62,6 +62,9 @@ struct Summary {
   double wall_s = 0;  ///< the same in wall-clock time
   double data_s = 0;  ///< from the first to the last point read
   double peak_rss_mb = 0;
+  double range_sigma = 0;                  ///< of the sensor file [m]
+  std::optional<double> range_sigma_seen;  ///< [m] (eq. NOI-1)
+  double noise_scale = 1;                  ///< of the stages at the end (eq. NOI-2)
   std::optional<Calibration> calibration;  ///< of the IMU, at the end
   std::optional<double> end_to_end_m;      ///< distance between the first and the last position, of a closed loop
   std::optional<evaluation::Evaluation> evaluation;  ///< against the reference, when there is one

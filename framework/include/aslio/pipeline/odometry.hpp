@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "aslio/pipeline/initialiser.hpp"
+#include "aslio/pipeline/range_noise.hpp"
 #include "aslio/pipeline/tracking.hpp"
 #include "aslio/pipeline/update_record.hpp"
 #include "aslio/stages/insertion.hpp"
@@ -28,6 +29,7 @@ struct PipelineConfig {
   config::Nested<Insertion> insertion;
   config::Nested<Estimator> estimator;
   InitialisationParams initialisation;
+  RangeNoiseParams range_noise;
   TrackingLimits limits;
   WhenLost when_lost = WhenLost::restart;
 
@@ -64,6 +66,8 @@ class Odometry {
   /// Valid until the next push(): a run that begins anew has other stages.
   const Map& map() const;
   const OverlapMetric& overlap() const;
+  /// Of the whole run, losses included.
+  const RangeNoise& range_noise() const;
 
  private:
   class Loop;

@@ -148,6 +148,9 @@ class Estimator : public Stage {
   /// state() has this velocity and these biases from here on, as from a smoother that wraps this estimator. Its pose
   /// and what the estimator remembers of earlier windows stay; one without IMU predicts from its poses, as before.
   virtual void adopt(const InertialEstimate& better) = 0;
+  /// Lengths that are about the noise of points count so many times what the parameters say, those of its residual,
+  /// too; > 0. Between updates. One that does nothing keeps its numbers.
+  virtual void set_noise_scale(double scale) { (void)scale; }
   virtual const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) = 0;
   /// Posterior state of the last update.
   virtual const NavState& state() const = 0;

@@ -73,6 +73,9 @@ class Map : public Stage {
     std::fill(out.begin(), out.end(), Surface{});
   }
   virtual InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) = 0;
+  /// Lengths that are about the noise of points (how thick a plane may be) count so many times what the parameters say
+  /// from here on, for what was inserted before, too; not the last factor times this one. Between updates; > 0.
+  virtual void set_noise_scale(double scale) { (void)scale; }
   virtual void trim(const Vec3& centre_W) = 0;
   virtual void clear() = 0;
   virtual std::size_t size() const = 0;

@@ -38,6 +38,9 @@ class Residual : public Stage {
   /// Whether the noise of a row depends on Surface::sharers, which an estimator may count once per association; left as
   /// they are, every match stands alone.
   virtual bool counts_sharers() const { return false; }
+  /// Lengths that are about the noise of points (width of a kernel) count so many times what the parameters say; > 0.
+  /// The sigma of evaluate() is for the caller to scale.
+  virtual void set_noise_scale(double scale) { (void)scale; }
   virtual void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) = 0;
   virtual void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                         double sigma, std::span<ResidualRow> rows) = 0;
