@@ -131,7 +131,7 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
 TEST_CASE("diff tells what differs in meaning, not in spelling") {
   const TemporaryFolder folder;
   write_text(folder / "a.yaml", pipeline_text());
-  write_text(folder / "b.yaml", "# the same, with a default spelled out\n" + pipeline_text("max_speed: 30.0\n"));
+  write_text(folder / "b.yaml", "# the same, with a default spelled out\n" + pipeline_text("max_speed: 60.0\n"));
   const Ended same = run_aslio({"diff", folder / "a.yaml", folder / "b.yaml"});
   INFO(same.err);
   CHECK(same.code == 0);
@@ -139,7 +139,7 @@ TEST_CASE("diff tells what differs in meaning, not in spelling") {
   write_text(folder / "c.yaml", pipeline_text("max_speed: 20\n"));
   const Ended other = run_aslio({"diff", folder / "a.yaml", folder / "c.yaml"});
   CHECK(other.code == 0);
-  CHECK_THAT(other.out, Contains("max_speed") && Contains("30") && Contains("20") && !Contains("period"));
+  CHECK_THAT(other.out, Contains("max_speed") && Contains("60") && Contains("20") && !Contains("period"));
 }
 
 TEST_CASE("inspect tells topics, units and point times, and exits with 3 when unusable") {

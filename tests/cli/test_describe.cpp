@@ -18,7 +18,7 @@ TEST_CASE("describe explains the keys of files") {
   const Ended pipeline = run_aslio({"describe", "pipeline"});
   CHECK(pipeline.code == 0);
   CHECK_THAT(pipeline.out, Contains("schema: aslio/pipeline/1") && Contains("max_speed: number") &&
-                               Contains("default 30") && Contains("windows: ") && Contains("sod_adaptive"));
+                               Contains("default 60") && Contains("windows: ") && Contains("sod_adaptive"));
   const Ended sensor = run_aslio({"describe", "sensor"});
   CHECK(sensor.code == 0);
   CHECK_THAT(sensor.out, Contains("schema: aslio/sensor/1") && Contains("acc_unit: ") && Contains("T_imu_lidar"));

@@ -1,5 +1,6 @@
 // Every row of the table is a test case of its own, and the page in docs/ is made of the same table.
 #include <catch2/catch.hpp>
+#include <cstdlib>
 
 #include "faults/table.hpp"
 
@@ -36,9 +37,6 @@ TEST_CASE("the table of faults has each of 1 to 72 once, and docs/faults.md is m
   const auto rows = all_rows();
   REQUIRE(rows.size() == 72);
   for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i].number == static_cast<int>(i) + 1);
+  if (std::getenv("ASLIO_WRITE_FAULTS") != nullptr) write_text(ASLIO_SOURCE_DIR "/docs/faults.md", to_markdown(rows));
   CHECK(content(ASLIO_SOURCE_DIR "/docs/faults.md") == to_markdown(rows));
-}
-
-TEST_CASE("docs/faults.md is written anew", "[.write]") {
-  write_text(ASLIO_SOURCE_DIR "/docs/faults.md", to_markdown(all_rows()));
 }

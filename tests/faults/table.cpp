@@ -62,7 +62,8 @@ std::string to_markdown(const std::vector<Row>& rows) {
       "sweep),\n"
       "`as_lio`, and one fault at a time. Each row is a test case (`ctest -L faults`); \"clean\" is the same walk "
       "without\n"
-      "the fault. This page is made by `build/dev/tests/faults/test_faults \"[write]\"`, and a test holds it against "
+      "the fault. This page is made by `ASLIO_WRITE_FAULTS=1 build/dev/tests/faults/test_faults \"the table*\"`, and a "
+      "test holds it against "
       "that.\n\n"
       "| | fault | what is injected | required, and what happens | test |\n|---|---|---|---|---|\n";
   std::string notes, pending;

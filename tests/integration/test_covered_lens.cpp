@@ -53,7 +53,9 @@ TEST_CASE("covered lens: 0.6 s degrade the run, five good updates make it whole,
     CHECK_FALSE(brief.odometry.divergence());
     CHECK(course(brief) == std::vector{TrackingStatus::initialising, TrackingStatus::ok, TrackingStatus::degraded,
                                        TrackingStatus::recovering, TrackingStatus::ok});
-    CHECK(count(brief, TrackingStatus::degraded) == brief.count(UpdateStatus::few_matches));
+    // The first 0.15 s are a blink, as of an empty message.
+    CHECK(count(brief, TrackingStatus::degraded) + 2 >= brief.count(UpdateStatus::few_matches));
+    CHECK(count(brief, TrackingStatus::degraded) < brief.count(UpdateStatus::few_matches));
     CHECK(count(brief, TrackingStatus::recovering) == 4);
     CHECK(brief.error_at_end([&](TimeNs t) { return world.pose(t); }).first < 0.05);
 

@@ -59,9 +59,8 @@ TEST_CASE("monitor: a walk raises no alarm, and 4 s cut out of it are a loss wit
       CHECK(cut.odometry.divergence()->t < walk.at(9.5));
       CHECK(cut.odometry.divergence()->restarted);
       CHECK(cut.updates.back().segment >= 1);
-      for (const auto& u : cut.updates) {
-        CHECK((!u.monitor.alarm || u.inserted.inserted == 0));  // not merged
-      }
+      // Not merged. What left the window before (`on_exit`) may still enter with the update of the alarm.
+      for (const auto& u : cut.updates) CHECK((!u.monitor.alarm || u.inserted.inserted < u.n_fresh));
     }
   }
 }

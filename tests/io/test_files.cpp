@@ -11,6 +11,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/io/cloud_file.hpp"
 #include "aslio/io/json.hpp"
+#include "aslio/io/source.hpp"
 #include "aslio/io/writers.hpp"
 #include "io/bag_fixture.hpp"
 
@@ -264,6 +265,17 @@ TEST_CASE("unknown map formats are refused") {
   CHECK(contains(refusal("big.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nend_header\n"),
                  "too short"));
 #endif
+}
+
+TEST_CASE("the digest depends on every byte") {
+  TemporaryFolder folder;
+  write_bytes(folder / "a", {'a', 'b', 'c'});
+  CHECK(input_digest(folder / "a") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  std::filesystem::create_directory(folder / "d");
+  write_bytes(folder.path() / "d" / "x", {'1'});
+  const std::string before = input_digest(folder / "d");
+  std::filesystem::rename(folder.path() / "d" / "x", folder.path() / "d" / "y");
+  CHECK(input_digest(folder / "d") != before);
 }
 
 }  // namespace aslio::io::test

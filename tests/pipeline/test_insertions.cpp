@@ -55,6 +55,8 @@ Outcome play(const std::string& pipeline, std::vector<std::string> overrides) {
   out.digests = run.digests();
   run.odometry.map().visit([&](const Vec3& p) { out.map.push_back(p); });
   REQUIRE(out.digests.size() > 20);
+  CAPTURE(pipeline, overrides);
+  for (const auto& loss : run.odometry.losses()) FAIL_CHECK(loss.reason);
   return out;
 }
 

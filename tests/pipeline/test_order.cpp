@@ -98,8 +98,8 @@ class AfterRestarts final : public Observer {
 /// A start in motion at 50 Hz with old points: the map begins anew until the velocity is known.
 struct StartInMotion {
   explicit StartInMotion(std::vector<std::string> overrides) {
-    overrides.insert(overrides.end(),
-                     {"window={type: fixed, period: 0.02, frame_length: 0.1}", "initialisation.mode=dynamic"});
+    overrides.insert(overrides.end(), {"window={type: fixed, period: 0.02, frame_length: 0.1}",
+                                       "initialisation.mode=dynamic", "initialisation.register_sweeps=false"});
     const simulator::AnalyticWorld world({.duration_scale = 0.5});
     const auto source = world.source();
     const plugin::Catalog catalog = spied(built_in_stages(), observer);

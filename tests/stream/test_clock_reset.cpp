@@ -49,7 +49,7 @@ TEST_CASE("clock: both jump: what was there is forgotten, and time goes on") {
     CHECK(std::abs(r.stream.last_imu() - (kEpoch + 5 * kSecond - kPeriod)) <= 2 * kPeriod);
     CHECK(std::abs(r.stream.last_point() - (kEpoch + 5 * kSecond - kSweep / 100)) <= 2 * kPeriod);
     const auto samples = r.stream.imu(kTimeMin, kTimeMax);
-    CHECK(samples.size() > 950);  // those of before serve dead reckoning
+    CHECK(samples.size() > 590);  // those of before serve nothing, since no window has been cut
     for (std::size_t i = 1; i < samples.size(); ++i) REQUIRE(samples[i].t > samples[i - 1].t);
     CHECK(r.stream.points(kTimeMin, kTimeMax).size() > 2600);
   }
@@ -61,7 +61,7 @@ TEST_CASE("clock: of one sensor alone: an error that names it, once the other ha
       Recorder r{of_imu ? jump : 0, of_imu ? 0 : jump};
       CHECK_NOTHROW(r.play(0, 2.9));
       CHECK_THROWS_WITH(r.play(2.9, 6), Contains(of_imu ? "IMU clock jumped" : "LiDAR clock jumped") &&
-                                            Contains(jump < 0 ? "back by 10" : "ahead by 3600"));
+                                            Contains(jump < 0 ? "back by" : "ahead by"));
     }
   }
 }

@@ -198,7 +198,7 @@ namespace {
 /// What of the learnt state is beyond what a part can have, with the evidence of P; empty: nothing. `strict`: beyond
 /// doubt.
 std::string implausible(const NavState& x, const StateMatrix& P, bool strict) {
-  const double sigmas = strict ? 5.0 : 3.0, share = strict ? 1.0 : 0.67;
+  const double sigmas = strict ? 5.0 : 3.0, share = strict ? 3.3 : 0.67;
   std::string what;
   const auto beyond = [&](double value, int at, double limit) {
     const double sigma = std::sqrt(std::max(P(at, at), 0.0));
@@ -217,8 +217,7 @@ std::string implausible(const NavState& x, const StateMatrix& P, bool strict) {
   look(x.S_w.data(), 9, block::s, kScale, 100, "gyro scale or cross-axis term", "%");
   look(&x.imu_delay, 1, block::d, kDelay, 1e3, "IMU delay", "ms");
   look(x.b_w.data(), 3, block::b_w, kGyroBias, 1, "gyro bias", "rad/s");
-  // Soon after a start in motion it may be large for a moment.
-  look(x.b_a.data(), 3, block::b_a, strict ? 2 * kAccBias : kAccBias, 1, "accelerometer bias", "m/s^2");
+  look(x.b_a.data(), 3, block::b_a, kAccBias, 1, "accelerometer bias", "m/s^2");
   return what.empty() ? what : what + ": check T_imu_lidar";
 }
 

@@ -341,7 +341,7 @@ class Odometry::Loop {
   Feedback feedback_;
   Pose believed_;  ///< T_W_I where the run begins anew if it is lost now
   TimeNs last_point_ = 0, last_accepted_ = 0, segment_begin_ = 0;
-  double usual_density_ = 0;           ///< points per second of the updates that were accepted
+  double usual_density_ = 0;                   ///< points per second of the updates that were accepted
   std::optional<NewStart> new_start_;          ///< while lost
   std::optional<Initialisation> found_start_;  ///< by it, not yet confirmed by the sweeps
   std::uint32_t sequence_ = 0, segment_ = 0;

@@ -89,7 +89,7 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
     return;
   }
   silence_ += length;
-  if (!without_view) {
+  if (!without_view || silence_ > kBlink) {
     accepted_in_a_row_ = 0;
     status_ = TrackingStatus::degraded;
   }

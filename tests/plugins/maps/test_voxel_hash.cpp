@@ -133,9 +133,8 @@ TEST_CASE("a cell index agrees with std::map over random insertions and removals
   std::map<std::uint64_t, std::uint32_t> oracle;
   std::mt19937_64 engine(1);
   for (std::uint32_t operation = 0; operation < 200000; ++operation) {
-    const VoxelCell cell{static_cast<std::int32_t>(engine() % 24) - 12,
-                                  static_cast<std::int32_t>(engine() % 24) - 12,
-                                  static_cast<std::int32_t>(engine() % 24) - 12};
+    const VoxelCell cell{static_cast<std::int32_t>(engine() % 24) - 12, static_cast<std::int32_t>(engine() % 24) - 12,
+                         static_cast<std::int32_t>(engine() % 24) - 12};
     const std::uint64_t key = pack(cell);
     const auto known = oracle.find(key);
     REQUIRE(index.find(key) == (known == oracle.end() ? CellIndex::kNone : known->second));

@@ -188,7 +188,7 @@ TEST_CASE("cells found by the batch are those of one point at a time, at every e
   const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   std::size_t without = 0;
   for (const double edge : {0.5, 0.3, 1.0}) {
-    for (const double half : {1.0, 1e3, 1.5 * edge * plugins::kCellLimit}) {
+    for (const double half : {1.0, 1e3, 1.5 * edge * kCellLimit}) {
       for (int round = 0; round < 20; ++round) {
         std::vector<Vec3> points;
         for (std::size_t i = 0; i < plugins::CellBatch::kSize; ++i)
@@ -199,9 +199,9 @@ TEST_CASE("cells found by the batch are those of one point at a time, at every e
         batch.find(
             count, [&](std::size_t i) -> const Vec3& { return points[i]; }, edge, offset);
         for (std::size_t i = 0; i < count; ++i) {
-          const auto cell = plugins::cell_of(points[i] + edge * offset, 1.0 / edge);
+          const auto cell = cell_of(points[i] + edge * offset, 1.0 / edge);
           without += cell ? 0 : 1;
-          REQUIRE(batch.key(i) == (cell ? plugins::pack(*cell) : plugins::CellBatch::kNoCell));
+          REQUIRE(batch.key(i) == (cell ? pack(*cell) : plugins::CellBatch::kNoCell));
           if (!cell) continue;
           REQUIRE(batch.cell(i) == *cell);
           const Vec3 corner = edge * (Vec3(cell->x, cell->y, cell->z) - offset);

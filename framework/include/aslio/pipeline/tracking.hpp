@@ -70,7 +70,8 @@ class Tracking {
   void diverge(TimeNs t, bool may_restart, std::string reason);
 
   static constexpr int kRecovered = 5;
-  static constexpr double kMaxAccBias = 1.5;  // [m/s^2]
+  static constexpr TimeNs kBlink = kSecond * 3 / 20;  ///< without a view: one empty message is no trouble
+  static constexpr double kMaxAccBias = 1.5;          // [m/s^2]
   TrackingLimits limits_;
   TimeNs max_silence_;
   TimeNs no_gap_;  ///< a time without data, no longer than between two messages
