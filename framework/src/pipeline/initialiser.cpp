@@ -186,7 +186,8 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   const bool static_by_imu = initial.mode == InitialMode::static_start;
   const std::string seen = fmt::format("first sweeps: {:.2f} +- {:.2f} m/s, agreement {:.2f}, at rest {:.2f}",
                                        motion.velocity.norm(), motion.sigma_velocity, motion.fit, motion.fit_at_rest);
-  if (static_by_imu && !motion.moves) {
+  const bool without_imu = motion.gravity.squaredNorm() == 0;
+  if ((static_by_imu || without_imu) && !motion.moves) {
     found.verdict += fmt::format("; {}: at rest", seen);
     return;
   }
@@ -200,7 +201,7 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   initial.rate = motion.rate;
   initial.sigma_velocity = std::max(0.1, 3 * motion.sigma_velocity);
   const double sigma_tilt = std::clamp(2 * motion.sigma_tilt, 1.0 * kRadPerDeg, 10.0 * kRadPerDeg);
-  if (motion.gravity.squaredNorm() > 0 && sigma_tilt < initial.sigma_tilt) {
+  if (!without_imu && sigma_tilt < initial.sigma_tilt) {
     const Vec3 up = -motion.gravity;
     initial.state.R = heading == nullptr ? levelled(up) : Mat3(to_vertical(*heading * up) * *heading);
     initial.sigma_tilt = sigma_tilt;
