@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr double kDuration = 12;     // [s]
-constexpr std::size_t kKeepOne = 4;  // of so many firings: 5000 points of a sweep
+constexpr std::size_t kKeepOne = 3;  // of so many firings: 6700 points of a sweep
 constexpr std::uint64_t kSeed = 107;
 
 /// Held by one process at a time; the others wait, and find what it has made.

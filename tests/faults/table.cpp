@@ -58,7 +58,7 @@ std::string title(const Row& row) { return fmt::format("fault {:02d} {}", row.nu
 std::string to_markdown(const std::vector<Row>& rows) {
   std::string text =
       "# Faults\n\n"
-      "What `aslio run` makes of bad input: one simulated walk (12 s, a LiDAR that sees all round, 5000 points per "
+      "What `aslio run` makes of bad input: one simulated walk (12 s, a LiDAR that sees all round, 6700 points per "
       "sweep),\n"
       "`as_lio`, and one fault at a time. Each row is a test case (`ctest -L faults`); \"clean\" is the same walk "
       "without\n"
