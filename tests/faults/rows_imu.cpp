@@ -59,16 +59,14 @@ std::vector<Row> readings() {
                   .expected = {.status = {"degraded", "diverged"}, .exit = {0, 1}, .ate_plus = 0.1, .says = {"IMU"}},
                   .run = with(set_imu({kAt}, Vec3::Zero(), Vec3::Zero())),
                   .also = "noticed within 0.5 s",
-                  .check = [](const Outcome& o) { check_noticed(o, kAt, 0.5); },
-                  .pending = "sensors"});
+                  .check = [](const Outcome& o) { check_noticed(o, kAt, 0.5); }});
   rows.push_back({.number = 4,
                   .name = "imu_stuck_value",
                   .injected = "the reading at 6 s is repeated from then on",
                   .expected = {.status = {"degraded", "diverged"}, .exit = {0, 1}, .ate_plus = 0.1, .says = {"IMU"}},
                   .run = with(freeze_imu({kAt})),
                   .also = "noticed within 1 s",
-                  .check = [](const Outcome& o) { check_noticed(o, kAt, 1.0); },
-                  .pending = "sensors"});
+                  .check = [](const Outcome& o) { check_noticed(o, kAt, 1.0); }});
   rows.push_back({.number = 12,
                   .name = "imu_gyro_saturated",
                   .injected = "the gyro is clipped at 2 rad/s, which the sensor file declares as `gyro_range`",
@@ -79,8 +77,7 @@ std::vector<Row> readings() {
                   .name = "imu_accel_clipped_vibration",
                   .injected = "the accelerometer is clipped at 11 m/s^2, which the sensor file declares as `acc_range`",
                   .expected = {.status = {"degraded"}, .ate_plus = 0.1},
-                  .run = with(clip_imu({}, kInf, 11.0), {.sensor_lines = {"acc_range: 11.0"}}),
-                  .pending = "sensors"});
+                  .run = with(clip_imu({}, kInf, 11.0), {.sensor_lines = {"acc_range: 11.0"}})});
   rows.push_back({.number = 14,
                   .name = "imu_bias_step",
                   .injected = "the gyro's bias about the vertical steps by 0.02 rad/s at 6 s",
@@ -106,8 +103,7 @@ std::vector<Row> units_and_rates() {
        .name = "imu_units_deg_per_s",
        .injected = "turn rates in degrees per second, and the sensor file says rad/s",
        .expected = {.status = {"failed", "diverged", "degraded"}, .exit = {0, 1, 3}, .says = {"gyro_unit"}},
-       .run = with([](Measurements&) {}, {.sensor_lines = {"gyro_unit: rad_s"}, .form = {.gyro_factor = 57.29578}}),
-       .pending = "sensors"});
+       .run = with([](Measurements&) {}, {.sensor_lines = {"gyro_unit: rad_s"}, .form = {.gyro_factor = 57.29578}})});
   rows.push_back({.number = 17,
                   .name = "imu_rate_halved",
                   .injected = "every second IMU sample is missing",
@@ -183,7 +179,6 @@ std::vector<Row> stamps() {
                   .run = with(shift_stamps({kAt}, -10 * kSecond)),
                   .also = "a new segment that is tracked to the end",
                   .check = &check_begun_again,
-                  .pending = "sensors",
                   .note =
                       "both clocks jump, as a host does that has its time set; where that of the IMU jumps alone, the "
                       "two no longer belong together, and the run ends with `failed` and the reason."});
@@ -194,7 +189,6 @@ std::vector<Row> stamps() {
                   .run = with(shift_stamps({kAt}, 3600 * kSecond)),
                   .also = "a new segment that is tracked to the end",
                   .check = &check_begun_again,
-                  .pending = "sensors",
                   .note = "as row 10."});
   return rows;
 }

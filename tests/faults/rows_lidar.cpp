@@ -181,7 +181,6 @@ std::vector<Row> missing_and_repeated() {
                         CHECK(o.updates.at("segment").back() == "1");
                         CHECK(o.tracking.back() == "ok");
                       },
-                  .pending = "sensors",
                   .note = "as row 10, and the time of the jump is one that the run has seen already."});
   return rows;
 }

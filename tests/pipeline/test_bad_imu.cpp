@@ -110,6 +110,8 @@ TEST_CASE(
   run.play(recording);
   CHECK(run.odometry.stream().counters().imu_found.gyro_clipped > 100);
   CHECK(run.odometry.stream().warnings().empty() == declared);
+  CAPTURE(error(run, walk.world), run.odometry.losses().size());
+  CHECK((error(run, walk.world) < 0.5 || !run.odometry.losses().empty()));  // never wrong without a word
 }
 
 TEST_CASE("bad IMU: an accelerometer that ends at 1.1 g") {
@@ -143,6 +145,8 @@ TEST_CASE("bad IMU: stuck or dead for a second is counted") {
   const auto& found = run.odometry.stream().counters().imu_found;
   CHECK((zero ? found.zero : found.stuck) >= 199);
   CHECK((zero ? found.stuck : found.zero) == 0);
+  CAPTURE(error(run, walk.world), run.odometry.losses().size());
+  CHECK((error(run, walk.world) < 0.5 || !run.odometry.losses().empty()));  // never wrong without a word
 }
 
 TEST_CASE("bad IMU: one that is dead from the beginning is refused by name") {

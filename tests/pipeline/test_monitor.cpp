@@ -63,6 +63,7 @@ struct Play {
     imu[0].t = t;
     imu[1].t = t + kTenth;
     imu[0].gyro = imu[1].gyro = rate;
+    imu[0].faults = imu[1].faults = faults;
     // Small corrections that change their sign, as noise makes them.
     const double sign = ++count % 2 == 0 ? 1.0 : -1.0;
     if (!pulled) update.state.v = Vec3(sign * 1e-3, 0, 0);
@@ -72,6 +73,7 @@ struct Play {
     window.plan.end = t + kTenth;
     window.fresh = points;
     window.imu = imu;
+    window.imu_gap = imu_gap;
     t += kTenth;
     return monitor.observe(window, update, OverlapScore{.value = 0.9});
   }
@@ -82,6 +84,8 @@ struct Play {
     }
   }
   bool pulled = false;
+  TimeNs imu_gap = 0;
+  std::uint8_t faults = 0;  ///< of the IMU samples
 };
 
 }  // namespace
@@ -204,4 +208,40 @@ TEST_CASE("monitor: nothing is usual within the first second, nor after a new st
   play.room = 9.0;
   play.update.residual_rms = 0.2;
   play.calm(8);
+}
+
+// eq. MON-5.
+TEST_CASE(
+    "monitor: a long gap of the IMU after which nothing matches is an alarm, one that the points bridge is none") {
+  for (const bool matches : {true, false}) {
+    for (const double gap : {0.4, 0.6}) {
+      CAPTURE(matches, gap);
+      Play play;
+      play.calm(20);
+      play.imu_gap = to_ns(gap);
+      play.update.accepted = matches;
+      play.update.status = matches ? UpdateStatus::ok : UpdateStatus::few_matches;
+      play.next();
+      CHECK(play.monitor.alarm().has_value() == (!matches && gap > 0.5));
+    }
+  }
+}
+
+TEST_CASE("monitor: of a gyro that is dead the alarm says so, and one at the end of its range is not compared") {
+  for (const std::uint8_t faults : {imu_fault::gyro_dead, imu_fault::clipped(false, 2)}) {
+    const bool dead = faults == imu_fault::gyro_dead;
+    CAPTURE(dead);
+    Play play;
+    play.calm(20);
+    play.rate = Vec3(0, 0, 1);
+    play.faults = faults;
+    play.update.prior.R = exp_so3(Vec3(0, 0, -0.05));  // the points find half of the turn
+    bool alarm = false;
+    for (int i = 0; i < 30 && !alarm; ++i) {
+      play.next();
+      alarm = play.monitor.alarm().has_value();
+    }
+    CHECK(alarm == dead);
+    if (dead) CHECK_THAT(play.monitor.alarm().value_or(""), Contains("stuck or dead"));
+  }
 }

@@ -96,12 +96,14 @@ void Monitor::begin(bool uses_imu) {
   turned_ = {};
   view_count_ = 0;
   since_jump_ = 1e9;
+  doubted_ = false;
 }
 
 const MonitorSignals& Monitor::observe(const Window& window, const Update& update, const OverlapScore& overlap) {
   signals_ = {};
   alarm_.reset();
   measure_view(window, update);
+  judge_gap(window, update);
   if (!update.accepted || update.restart_map) return signals_;
   const double dt = length(window);
   measure_fit(update, overlap, dt);
@@ -111,6 +113,13 @@ const MonitorSignals& Monitor::observe(const Window& window, const Update& updat
   judge(dt);
   judge_learnt(update, dt);
   return signals_;
+}
+
+/// A long gap of the IMU is bridged by the points or not at all: a prediction over it is a guess. eq. MON-5.
+void Monitor::judge_gap(const Window& window, const Update& update) {
+  constexpr TimeNs bridged_by_itself = kSecond / 2;
+  if (!uses_imu_ || window.imu_gap < bridged_by_itself || update.status != UpdateStatus::few_matches) return;
+  raise(fmt::format("no IMU data for {:.2f} s, and the points after it match nothing", to_seconds(window.imu_gap)));
 }
 
 // eq. MON-1.
@@ -159,7 +168,12 @@ void Monitor::measure_pull(const Window& window, const Update& update, double dt
   signals_.turn_pull_rise = turn_.rise(turn / dt, dt, known);
   signals_.velocity_pull = velocity_.now.value.norm();
   signals_.turn_pull = turn_.now.value.norm();
+  std::uint8_t faults = 0;
+  for (const ImuSample& s : window.imu) faults |= s.faults;
+  const bool dead = (faults & imu_fault::gyro_dead) != 0;
+  doubted_ = doubted_ || dead;
   if (!uses_imu_ || window.imu.size() < 2 || window.imu_gap > 0) return;
+  if (faults != 0 && !dead) return;  // an axis at the end of its range is known to be wrong
   const Vec3 measured = measured_turn(window.imu);
   contradicted_.add(turn * measured.transpose() / (dt * dt), dt, kUsual);
   turned_.add(measured.squaredNorm() / (dt * dt), dt, kUsual);
@@ -186,10 +200,14 @@ void Monitor::judge(double dt) {
     raise(fmt::format("the points tear the velocity from its prediction by {:.0f} m/s^2", signals_.velocity_pull));
   }
   if (age_ > kKnown && signals_.gyro_mismatch > kMismatch) {
-    raise(
-        fmt::format("the points contradict {:.0f} % of the turn that the gyro measures: implausible: check "
-                    "T_imu_lidar, gyro_unit",
-                    100 * signals_.gyro_mismatch));
+    const double share = 100 * signals_.gyro_mismatch;
+    raise(doubted_
+              ? fmt::format("the points contradict {:.0f} % of the turn that stands in for the readings of an IMU "
+                            "that is stuck or dead",
+                            share)
+              : fmt::format("the points contradict {:.0f} % of the turn that the gyro measures: implausible: check "
+                            "T_imu_lidar, gyro_unit",
+                            share));
   }
 }
 

@@ -98,7 +98,9 @@ class Registration {
     if (inertial_) {
       Vec3 force = Vec3::Zero();
       for (const ImuSample& sample : imu) force += sample.acc;
-      prior_.g = -kStandardGravity * force.normalized();
+      // All zero where the sensor is dead: then no direction is known.
+      inertial_ = force.squaredNorm() > 0;
+      if (inertial_) prior_.g = -kStandardGravity * force.normalized();
     }
     if (!complete()) return;
     scan_ = some(upright(sweeps_[0]), kScanPoints);
@@ -204,7 +206,8 @@ class Registration {
     std::vector<std::uint32_t> of(all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Vec3 p = to_level * all[i].q;
-      const std::uint64_t key = pack(*cell_of(Vec3(p.x(), p.y(), 0), 1.0 / column));
+      const auto cell = cell_of(Vec3(p.x(), p.y(), 0), 1.0 / column);
+      const std::uint64_t key = cell ? pack(*cell) : 0;
       of[i] = index.find(key);
       if (of[i] == CellIndex::kNone) {
         of[i] = static_cast<std::uint32_t>(extents.size());

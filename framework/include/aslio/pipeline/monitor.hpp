@@ -80,6 +80,7 @@ class Monitor {
     double rise(const Vec3& x, double dt, bool known);
   };
 
+  void judge_gap(const Window& window, const Update& update);
   void measure_fit(const Update& update, const OverlapScore& overlap, double dt);
   void measure_pull(const Window& window, const Update& update, double dt);
   void measure_view(const Window& window, const Update& update);
@@ -101,6 +102,7 @@ class Monitor {
   std::array<double, 4> views_{};
   int view_count_ = 0;
   double since_jump_ = 1e9;  ///< [s] of the last jump of the view
+  bool doubted_ = false;     ///< something stood in for the gyro since begin()
   /// [s] without a break.
   double misfit_for_ = 0, rout_for_ = 0, implausible_for_ = 0, torn_for_ = 0;
 };

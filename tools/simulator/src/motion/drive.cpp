@@ -7,7 +7,7 @@
 
 #include "aslio/core/angles.hpp"
 #include "aslio/simulator/random.hpp"
-#include "jet.hpp"
+#include "motion_state.hpp"
 #include "purposes.hpp"
 #include "speed_plan.hpp"
 
@@ -41,16 +41,6 @@ Jet bump(const Jet& u) {
   if (u.x <= 0 || u.x >= 1) return {};
   const Jet product = u * (Jet{1, 0, 0} + -1.0 * u), square = product * product;
   return 256.0 * (square * square);
-}
-
-/// R = Rz(yaw) Ry(pitch) Rx(roll) and its rate in the body frame.
-void set_rotation(const Jet& yaw, const Jet& pitch, const Jet& roll, MotionState& state) {
-  const double cy = std::cos(yaw.x), sy = std::sin(yaw.x), cp = std::cos(pitch.x), sp = std::sin(pitch.x);
-  const double cr = std::cos(roll.x), sr = std::sin(roll.x);
-  state.R << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
-      sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,         //
-      -sp, cp * sr, cp * cr;
-  state.w << roll.d - yaw.d * sp, pitch.d * cr + yaw.d * cp * sr, yaw.d * cp * cr - pitch.d * sr;
 }
 
 }  // namespace
@@ -129,12 +119,7 @@ MotionState Drive::at(double t) const {
     roll = roll + slope * (wave.ky * c + -wave.kx * s);
   }
   sway(t, way, z, pitch, roll);
-  MotionState state;
-  state.p << x.x, y.x, z.x;
-  state.v << x.d, y.d, z.d;
-  state.a << x.dd, y.dd, z.dd;
-  set_rotation(heading, pitch, roll, state);
-  return state;
+  return motion_state(x, y, z, heading, pitch, roll);
 }
 
 }  // namespace aslio::simulator

@@ -4,23 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "bisection.hpp"
+
 namespace aslio::simulator {
 namespace {
 
 // Per m/s of the speed on straight lines: from rest to there in 1.56 s, whatever that speed is.
 constexpr double kAcceleration = 1.2;  ///< [1/s]
 constexpr double kJerk = 6;            ///< [1/s^2]
-
-/// Largest x in [low, high] for which an increasing condition still holds, which it does at `low`.
-template <class Holds>
-double last_that(double low, double high, Holds holds) {
-  if (holds(high)) return high;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (holds(middle) ? low : high) = middle;
-  }
-  return low;
-}
 
 }  // namespace
 
@@ -34,12 +25,12 @@ double Pace::distance(double from, double to) const { return 0.5 * (from + to) *
 
 double Pace::reachable(double from, double length, double limit) const {
   if (limit <= from) return limit;
-  return last_that(from, limit, [&](double v) { return distance(from, v) <= length; });
+  return highest(from, limit, [&](double v) { return distance(from, v) <= length; });
 }
 
 double Pace::peak(double from, double to, double length) const {
   const double low = std::max(from, to);
-  return last_that(low, std::max(low, speed_), [&](double v) { return distance(from, v) + distance(v, to) <= length; });
+  return highest(low, std::max(low, speed_), [&](double v) { return distance(from, v) + distance(v, to) <= length; });
 }
 
 }  // namespace aslio::simulator

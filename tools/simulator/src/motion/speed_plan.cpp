@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "aslio/core/errors.hpp"
+#include "bisection.hpp"
 
 namespace aslio::simulator {
 namespace {
@@ -14,17 +15,6 @@ namespace {
 constexpr double kSmoothRide = 5;     ///< change of the acceleration, at most [m/s^3]
 constexpr double kSamePlace = 1e-3;   ///< nodes nearer than this are one [m]
 constexpr double kSpeedSlack = 1e-6;  ///< [m/s]
-
-/// Largest x in [low, high] for which a condition still holds that does at `low`.
-template <class Holds>
-double highest(double low, double high, Holds holds) {
-  if (holds(high)) return high;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (holds(middle) ? low : high) = middle;
-  }
-  return low;
-}
 
 }  // namespace
 

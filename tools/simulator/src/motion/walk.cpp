@@ -4,23 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "jet.hpp"
+#include "motion_state.hpp"
 
 namespace aslio::simulator {
 namespace {
 
 /// A turn counts as over this much after its end [s], so that rounding of its end cannot cut it off.
 constexpr double kOverMargin = 1e-9;
-
-/// R = Rz(yaw) Ry(pitch) Rx(roll) and the angular rate in the body frame from the rates of the angles.
-void set_attitude(const Jet& yaw, const Jet& pitch, const Jet& roll, MotionState& state) {
-  const double cy = std::cos(yaw.x), sy = std::sin(yaw.x), cp = std::cos(pitch.x), sp = std::sin(pitch.x);
-  const double cr = std::cos(roll.x), sr = std::sin(roll.x);
-  state.R << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
-      sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,         //
-      -sp, cp * sr, cp * cr;
-  state.w << roll.d - yaw.d * sp, pitch.d * cr + yaw.d * cp * sr, yaw.d * cp * cr - pitch.d * sr;
-}
 
 /// Position in the plan at slowed time.
 void set_place(const std::vector<Waypoint>& waypoints, bool under_way, const Jet& t, Jet& x, Jet& y) {
@@ -91,12 +81,7 @@ MotionState Walk::at(double t) const {
     roll = gait_.roll * (fade * sine(0.5 * w, t, 0.5 * phase));
   }
   z = z + Jet{setting_.height, 0, 0} + under(setting_.ground, x, y);
-  MotionState state;
-  state.p << x.x, y.x, z.x;
-  state.v << x.d, y.d, z.d;
-  state.a << x.dd, y.dd, z.dd;
-  set_attitude(yaw, pitch, roll, state);
-  return state;
+  return motion_state(x, y, z, yaw, pitch, roll);
 }
 
 }  // namespace aslio::simulator
