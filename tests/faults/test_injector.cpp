@@ -14,7 +14,7 @@ constexpr TimeNs kStart = 100 * kSecond;
 Measurements recording() {
   Measurements out;
   for (int i = 0; i < 300; ++i) {
-    const TimeNs t = kStart + i * 10'000'000;
+    const TimeNs t = kStart + TimeNs{i} * 10'000'000;
     out.push_back(ImuSample{t, Vec3(i, 0, 0), Vec3(0, 0, 9.8)});
     if (i % 10 != 9) continue;
     LidarPacket packet;

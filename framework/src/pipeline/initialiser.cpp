@@ -199,8 +199,8 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   if (static_by_imu) release_velocity(initial);
   initial.mode = InitialMode::moving_start;
   initial.rate = motion.rate;
-  initial.sigma_velocity = std::max(0.1, 3 * motion.sigma_velocity);
-  const double sigma_tilt = std::clamp(2 * motion.sigma_tilt, 1.0 * kRadPerDeg, 10.0 * kRadPerDeg);
+  initial.sigma_velocity = std::max(0.1, 1.5 * motion.sigma_velocity);
+  const double sigma_tilt = std::clamp(motion.sigma_tilt, 1.0 * kRadPerDeg, 10.0 * kRadPerDeg);
   if (!without_imu && sigma_tilt < initial.sigma_tilt) {
     const Vec3 up = -motion.gravity;
     initial.state.R = heading == nullptr ? levelled(up) : Mat3(to_vertical(*heading * up) * *heading);

@@ -148,8 +148,10 @@ void Monitor::measure_view(const Window& window, const Update& update) {
   if (view_count_ >= 4) {
     const double usual = std::max(*std::max_element(views_.begin(), views_.end()), 0.03);
     signals_.view_jump = *change / usual;
-    if (*change > kViewLeast && signals_.view_jump > kViewStir) since_jump_ = 0;
-    if (*change > kViewLeast && signals_.view_jump > kViewJump) {
+    // Without a gyro a turn that the points follow late changes the view as well.
+    const bool tells = uses_imu_ && *change > kViewLeast;
+    if (tells && signals_.view_jump > kViewStir) since_jump_ = 0;
+    if (tells && signals_.view_jump > kViewJump) {
       raise(
           fmt::format("{:.1f} times more of the view changed within 0.1 s than before: a piece of the data is "
                       "missing, or the sensor was moved",
