@@ -24,6 +24,7 @@ constexpr std::size_t kReferencePoints = 40000;  // of the first sweep
 constexpr std::size_t kScanPoints = 8000;        // of those, where velocities are compared
 constexpr std::size_t kQueryPoints = 1200;       // of each other one
 constexpr double kMaxRange = 50.0;               // beyond, points lie too far apart for the cells [m]
+constexpr double kMaxUprightRange = 100.0;       // and to compare velocities by what stands there [m]
 constexpr std::size_t kMinSweepPoints = 100;     // a sweep with fewer says nothing
 
 /// How far the registration looks, from coarse to fine: edge of the cells and least deviation from a surface [m].
@@ -86,29 +87,23 @@ class Registration {
   Registration(std::span<const TimedPoint> points, std::span<const ImuSample> imu, TimeNs begin,
                const SensorModel& sensor)
       : inertial_(!imu.empty()) {
+    know_gravity(imu);
     InertialPath path(imu, begin);
     const TimeNs period = to_ns(sensor.sweep_period);
     std::size_t next = 0;
     for (int k = 0; k < kSweepsOfMotion; ++k) {
       const std::size_t first = next;
       while (next < points.size() && points[next].t <= begin + (k + 1) * period) ++next;
-      take(points.subspan(first, next - first), k == 0 ? kReferencePoints : kQueryPoints, path, sensor,
-           sweeps_[static_cast<std::size_t>(k)]);
-    }
-    if (inertial_) {
-      Vec3 force = Vec3::Zero();
-      for (const ImuSample& sample : imu) force += sample.acc;
-      // All zero where the sensor is dead: then no direction is known.
-      inertial_ = force.squaredNorm() > 0;
-      if (inertial_) prior_.g = -kStandardGravity * force.normalized();
-      force /= static_cast<double>(imu.size());
-      for (const ImuSample& sample : imu) {
-        force_variance_ += (sample.acc - force).squaredNorm() / static_cast<double>(imu.size());
-      }
+      const auto of = static_cast<std::size_t>(k);
+      std::vector<SweepPoint> all = placed(points.subspan(first, next - first), path, sensor);
+      std::vector<SweepPoint> standing = upright(all);
+      if (k == 0) overlap_edge_ = overlap_edge(standing);
+      standing_[of] = spread(standing, kQueryPoints, 1.0 / overlap_edge_);
+      std::erase_if(all, [](const SweepPoint& p) { return p.q.norm() > kMaxRange; });
+      sweeps_[of] = spread(all, k == 0 ? kReferencePoints : kQueryPoints, k == 0 ? 6.0 : std::min(2.0, 1.0 / overlap_edge_));
+      if (standing_[of].size() < kMinSweepPoints) standing_[of] = some(sweeps_[of], kScanPoints);
     }
     if (!complete()) return;
-    scan_ = some(upright(sweeps_[0]), kScanPoints);
-    scan_query_ = upright(sweeps_[1]);
     finest_ = finest_level();
   }
 
@@ -119,12 +114,12 @@ class Registration {
   bool inertial() const { return inertial_; }
 
   /// Share of the second sweep that falls into occupied cells, for one velocity.
-  double coarse_score(const Vec3& v) {
-    const ConstantMotion motion = with_velocity(v);
-    occupied_.build(scan_, motion, 1.0);
-    std::size_t hits = 0;
-    for (const SweepPoint& p : scan_query_) hits += occupied_.occupied(motion.place(p)) ? 1 : 0;
-    return static_cast<double>(hits) / static_cast<double>(scan_query_.size());
+  double coarse_score(const Vec3& v) { return overlap(with_velocity(v), 0, 1); }
+
+  /// The same of the first three sweeps with each other. It has no ill will against the fast, whose later sweeps see
+  /// what the first one did not.
+  double overlap(const ConstantMotion& motion) {
+    return (overlap(motion, 0, 1) + overlap(motion, 1, 2) + overlap(motion, 0, 2)) / 3.0;
   }
 
   ConstantMotion with_velocity(const Vec3& v) const {
@@ -152,13 +147,13 @@ class Registration {
     }
   }
 
-  /// Mean agreement of the points of a sweep at the finest level. `all`: those that meet no surface count as well, as
+  /// Mean agreement of the upright points of a sweep at the finest level. `all`: those that meet no surface count as well, as
   /// not in agreement.
   double fit(const ConstantMotion& motion, std::size_t sweep, bool all) {
     cells_.build(sweeps_[0], motion, kLevels[finest_].edge, kLevels[finest_].softness);
     double sum = 0;
     std::size_t n = 0;
-    for (const SweepPoint& p : sweeps_[sweep]) {
+    for (const SweepPoint& p : standing_[sweep]) {
       const Vec3 x = motion.place(p);
       const SweepCell* cell = cells_.nearest(x);
       if (cell == nullptr) continue;
@@ -166,7 +161,7 @@ class Registration {
       const Vec3 r = x - cell->centre;
       sum += std::exp(-0.5 * r.dot(cell->information * r));
     }
-    return sum / static_cast<double>(std::max<std::size_t>(all ? sweeps_[sweep].size() : n, 1));
+    return sum / static_cast<double>(std::max<std::size_t>(all ? standing_[sweep].size() : n, 1));
   }
 
   /// Covariance of (v, g, e) after refine(). The softness stands for one standard deviation; on real drives the errors
@@ -198,32 +193,65 @@ class Registration {
   }
 
  private:
-  static void take(std::span<const TimedPoint> raw, std::size_t most, InertialPath& path, const SensorModel& sensor,
-                   std::vector<SweepPoint>& out) {
-    std::vector<const TimedPoint*> near;
-    for (const TimedPoint& p : raw) {
-      const double range = Vec3(p.x, p.y, p.z).norm();
-      if (range >= sensor.min_range && range <= std::min(sensor.max_range, kMaxRange)) near.push_back(&p);
-    }
-    // By thirds of a metre, so that near surfaces do not outvote all others.
-    CellIndex seen;
-    std::vector<const TimedPoint*> spread;
-    for (const TimedPoint* p : near) {
-      const auto cell = cell_of(Vec3(p->x, p->y, p->z), most == kQueryPoints ? 1.0 : 6.0);
-      if (!cell || seen.find(pack(*cell)) != CellIndex::kNone) continue;
-      seen.insert(pack(*cell), 0);
-      spread.push_back(p);
-    }
-    const std::size_t taken = std::min(most, spread.size());
-    OneOfEachRun choice(taken, spread.size(), 0);
-    for (std::size_t k = 0; k < taken; ++k) {
-      const TimedPoint& p = *spread[choice.next()];
-      out.push_back(path.point(sensor.T_imu_lidar * Vec3(p.x, p.y, p.z), p.t));
+  /// The direction of the mean specific force, and how much that one varies.
+  void know_gravity(std::span<const ImuSample> imu) {
+    if (imu.empty()) return;
+    Vec3 force = Vec3::Zero();
+    for (const ImuSample& sample : imu) force += sample.acc;
+    // All zero where the sensor is dead: then no direction is known.
+    inertial_ = force.squaredNorm() > 0;
+    if (!inertial_) return;
+    prior_.g = -kStandardGravity * force.normalized();
+    force /= static_cast<double>(imu.size());
+    for (const ImuSample& sample : imu) {
+      force_variance_ += (sample.acc - force).squaredNorm() / static_cast<double>(imu.size());
     }
   }
 
-  /// Points of what stands upright: lines of the scanner on the ground move with the sensor and look at rest. All
-  /// points where hardly anything stands.
+  static std::vector<SweepPoint> placed(std::span<const TimedPoint> raw, InertialPath& path,
+                                        const SensorModel& sensor) {
+    std::vector<SweepPoint> out;
+    out.reserve(raw.size());
+    for (const TimedPoint& p : raw) {
+      const Vec3 p_L(p.x, p.y, p.z);
+      const double range = p_L.norm();
+      if (range < sensor.min_range || range > std::min(sensor.max_range, kMaxUprightRange)) continue;
+      out.push_back(path.point(sensor.T_imu_lidar * p_L, p.t));
+    }
+    return out;
+  }
+
+  /// Share of the upright points of a sweep that fall into cells in which an earlier one has some.
+  double overlap(const ConstantMotion& motion, std::size_t earlier, std::size_t later) {
+    occupied_.build(standing_[earlier], motion, overlap_edge_);
+    std::size_t hits = 0;
+    for (const SweepPoint& p : standing_[later]) hits += occupied_.occupied(motion.place(p)) ? 1 : 0;
+    return static_cast<double>(hits) / static_cast<double>(standing_[later].size());
+  }
+
+  /// One of every cell, so that near surfaces do not outvote all others, and of those so many.
+  static std::vector<SweepPoint> spread(const std::vector<SweepPoint>& all, std::size_t most, double inverse_edge) {
+    CellIndex seen;
+    std::vector<SweepPoint> apart;
+    for (const SweepPoint& p : all) {
+      const auto cell = cell_of(p.q, inverse_edge);
+      if (!cell || seen.find(pack(*cell)) != CellIndex::kNone) continue;
+      seen.insert(pack(*cell), 0);
+      apart.push_back(p);
+    }
+    return some(apart, most);
+  }
+
+  /// Edge of the cells in which velocities are compared: 1 m, less where that leaves too few.
+  double overlap_edge(const std::vector<SweepPoint>& sweep) const {
+    constexpr std::size_t enough = 3 * kMinSweepPoints / 2;
+    constexpr double finest = 0.2;  // [m]
+    double edge = 1.0;
+    while (edge > finest && spread(sweep, kQueryPoints, 1.0 / edge).size() < enough) edge *= 0.5;
+    return edge;
+  }
+
+  /// Points of what stands upright: lines of the scanner on the ground move with the sensor and look at rest.
   std::vector<SweepPoint> upright(const std::vector<SweepPoint>& all) const {
     constexpr double column = 1.0, height = 0.6;  // [m]
     const Mat3 to_level = level_frame();
@@ -248,7 +276,7 @@ class Registration {
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (extents[of[i]].second - extents[of[i]].first > height) out.push_back(all[i]);
     }
-    return out.size() >= kMinSweepPoints ? out : all;
+    return out;
   }
 
   /// Rotation from B to a frame whose z is up.
@@ -329,25 +357,22 @@ class Registration {
   }
 
   bool inertial_;
+  double overlap_edge_ = 1;    ///< [m]
   double force_variance_ = 0;  ///< of the specific force over the span [m^2/s^4]
   std::size_t finest_ = kLevels.size() - 1;
-  std::array<std::vector<SweepPoint>, kSweepsOfMotion> sweeps_;
+  std::array<std::vector<SweepPoint>, kSweepsOfMotion> sweeps_, standing_;  ///< all points, those of upright columns
   ConstantMotion prior_;
-  std::vector<SweepPoint> scan_, scan_query_;
   SweepCells cells_, coarse_;
   bool coarse_too_ = false;
   OccupiedCells occupied_;
 };
 
-/// Velocities on a grid of displacements per sweep: across gravity with an IMU, in all directions without.
-std::vector<Vec3> hypotheses(const Registration& registration, double period) {
+/// Velocities on a grid of displacements per sweep, `high` layers of it above and below the plane across `up`.
+void add_hypotheses(const Vec3& up, int high, double period, std::vector<Vec3>& out) {
   constexpr double spacing = 0.75;  // [m]
   const double reach = kMaxSpeed * period;
   const int n = static_cast<int>(std::ceil(reach / spacing));
-  const Vec3 up = registration.inertial() ? Vec3(-registration.prior().g.normalized()) : Vec3::UnitZ();
   const Vec3 along = up.unitOrthogonal(), across = up.cross(along);
-  const int high = registration.inertial() ? 0 : 2;
-  std::vector<Vec3> out;
   for (int i = -n; i <= n; ++i) {
     for (int j = -n; j <= n; ++j) {
       for (int k = -high; k <= high; ++k) {
@@ -355,6 +380,22 @@ std::vector<Vec3> hypotheses(const Registration& registration, double period) {
         if (shift.norm() <= reach && (i != 0 || j != 0 || k != 0)) out.push_back(shift / period);
       }
     }
+  }
+}
+
+/// Across the specific force; across the axis of the IMU next to it as well, for a car that brakes is not on a slope.
+/// Without an IMU, in all directions.
+std::vector<Vec3> hypotheses(const Registration& registration, double period) {
+  std::vector<Vec3> out;
+  if (!registration.inertial()) {
+    add_hypotheses(Vec3::UnitZ(), 2, period, out);
+  } else {
+    constexpr double same = 0.998, upright = 0.9;  // cosines
+    const Vec3 up = -registration.prior().g.normalized();
+    add_hypotheses(up, 0, period, out);
+    int nearest = 0;
+    const double cosine = up.cwiseAbs().maxCoeff(&nearest);
+    if (cosine > upright && cosine < same) add_hypotheses(Vec3::Unit(nearest), 0, period, out);
   }
   std::sort(out.begin(), out.end(), [](const Vec3& a, const Vec3& b) { return a.squaredNorm() < b.squaredNorm(); });
   return out;
@@ -365,6 +406,34 @@ struct Scored {
   double score = 0;
 };
 
+constexpr double kSame = 0.03;   // overlaps that differ by less are equal
+constexpr double kBetter = 1.1;  // a fit that is better by less is as good
+constexpr double kFits = 0.35;    // of the best fit: less is none
+
+struct Refined {
+  ConstantMotion motion;
+  double overlap = 0, fit = 0;
+};
+
+/// Of those that fit at all and overlap the most, the one that fits best; of two that fit as well, the slower one.
+ConstantMotion choose(const std::vector<Refined>& refined) {
+  double most = 0, fittest = 0;
+  for (const Refined& r : refined) fittest = std::max(fittest, r.fit);
+  for (const Refined& r : refined) {
+    if (r.fit > kFits * fittest) most = std::max(most, r.overlap);
+  }
+  ConstantMotion best;
+  double best_fit = -1;
+  for (const Refined& r : refined) {
+    if (r.fit <= kFits * fittest || r.overlap < most - kSame) continue;
+    if (r.fit > kBetter * best_fit || (kBetter * r.fit > best_fit && r.motion.v.norm() < best.v.norm())) {
+      best = r.motion;
+      best_fit = std::max(r.fit, best_fit);
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 // eq. INI-6.
@@ -372,9 +441,8 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
                                              TimeNs begin, const SensorModel& sensor, bool calm) {
   constexpr std::size_t kRefined = 5;  // hypotheses that are looked at closely
   constexpr std::size_t kAtRest = 1;   // where a rest explains them as well
-  constexpr double kSame = 0.03;       // scores that differ by less are equal
+  constexpr double kUnmoved = 0.85;    // of the points, that a rest explains
   constexpr double kRestSpeed = 0.15;  // who stands and holds the sensor may be as fast [m/s]
-  constexpr double kBetter = 1.1;      // a fit that is better by less is as good
   Registration registration(points, imu, begin, sensor);
   if (!registration.complete()) return std::nullopt;
   const double period = sensor.sweep_period;
@@ -384,7 +452,7 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   for (const Vec3& v : hypotheses(registration, period)) scored.push_back({v, registration.coarse_score(v)});
   std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   std::vector<Vec3> candidates = {Vec3::Zero()};
-  const bool rest_is_best = scored.empty() || score_at_rest >= scored.front().score - kSame;
+  const bool rest_is_best = scored.empty() || (score_at_rest > kUnmoved && score_at_rest >= scored.front().score - kSame);
   for (const Scored& s : scored) {
     if (candidates.size() > (calm && rest_is_best ? kAtRest : kRefined)) break;
     const bool apart = std::all_of(candidates.begin(), candidates.end(),
@@ -392,25 +460,27 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
     if (apart) candidates.push_back(s.v);
   }
 
-  ConstantMotion best;
-  double best_fit = -1;
+  const ConstantMotion rest = registration.with_velocity(Vec3::Zero());
+  const double overlap_at_rest = registration.overlap(rest);
+  std::vector<Refined> refined;
   for (const Vec3& v : candidates) {
-    ConstantMotion motion = registration.with_velocity(v);
-    registration.refine(motion, 0, 1);
-    const double fit = registration.fit(motion, 2, true);
-    if (fit > kBetter * best_fit || (kBetter * fit > best_fit && motion.v.norm() < best.v.norm())) {
-      best = motion;
-      best_fit = std::max(fit, best_fit);
-    }
+    Refined r;
+    r.motion = registration.with_velocity(v);
+    registration.refine(r.motion, 0, 1);
+    r.overlap = registration.overlap(r.motion);
+    r.fit = registration.fit(r.motion, 2, true);
+    refined.push_back(r);
   }
+  ConstantMotion best = choose(refined);
+  const bool overlaps_more = registration.overlap(best) > overlap_at_rest + kSame;
   registration.refine(best, kLevels.size(), 2);
 
   SweepMotion out;
   constexpr std::size_t check = kSweepsOfMotion - 1;
-  const ConstantMotion rest = registration.with_velocity(Vec3::Zero());
   out.fit = registration.fit(best, check, false);
   out.fit_at_rest = registration.fit(rest, check, false);
-  const bool better = registration.fit(best, check, true) > kBetter * registration.fit(rest, check, true);
+  const bool better =
+      overlaps_more || registration.fit(best, check, true) > kBetter * registration.fit(rest, check, true);
   const bool confirmed = out.fit > 0.6 * registration.fit(best, 1, false);
 
   registration.add_coarse_level();
