@@ -11,6 +11,8 @@ namespace {
 constexpr TimeNs kLookaheadStep = 10'000'000;
 /// IMU data of so long [ns] tell its rate.
 constexpr double kImuMemory = 2e9;
+/// An IMU that says nothing for so long [ns], and for so many of its steps, is in a gap.
+constexpr double kUnread = 5e7, kUnreadSteps = 2.5;
 
 /// Silence before the first of `data`, of which `last` came before; `last` becomes the last of them.
 template <class T>
@@ -78,6 +80,7 @@ bool SodAdaptiveWindow::warming_up(const Feedback& feedback) const {
 void SodAdaptiveWindow::pace(std::span<const ImuSample> imu) {
   TimeNs before = last_imu_;
   for (const ImuSample& sample : imu) {
+    if ((sample.faults & (imu_fault::gyro_dead | imu_fault::gyro_clipped)) == 0) last_read_ = sample.t;
     if (before != kTimeMin && sample.t - before <= kSecond) {  // more is a gap
       imu_time_ += static_cast<double>(sample.t - before);
       imu_intervals_ += 1;
@@ -90,12 +93,18 @@ void SodAdaptiveWindow::pace(std::span<const ImuSample> imu) {
   }
 }
 
+bool SodAdaptiveWindow::unread(TimeNs t) const {
+  return last_read_ != kTimeMin &&
+         static_cast<double>(t - last_read_) > std::max(kUnread, kUnreadSteps * imu_time_ / imu_intervals_);
+}
+
 void SodAdaptiveWindow::absorb(const Feedback& feedback) {
   if (imu_samples_ > 0 && imu_time_ > 0) {  // eq. WIN-8
     // A hundredth of a segment more: stamps round.
-    schedule_.limit(static_cast<std::int64_t>(std::floor(2 * static_cast<double>(frame_length_) * imu_intervals_ /
-                                                             (static_cast<double>(imu_samples_) * imu_time_) +
-                                                         0.01)));
+    const double most = std::floor(2 * static_cast<double>(frame_length_) * imu_intervals_ /
+                                       (static_cast<double>(imu_samples_) * imu_time_) +
+                                   0.01);
+    schedule_.limit(unread(feedback.t) ? 0 : static_cast<std::int64_t>(most));
   }
   // An almost empty map would score every frame as new. A frame with few matches is no reason to doubt a low overlap.
   if (warming_up(feedback)) {

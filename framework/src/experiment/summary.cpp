@@ -109,6 +109,7 @@ Json counts(const Summary& s) {
   }
   out["updates_refused"] = sum(s.refused_by_status);
   out["updates_without_view"] = s.updates_without_view;
+  out["updates_bridged"] = s.updates_bridged;
   return out;
 }
 

@@ -23,6 +23,8 @@ class DoubtedImu {
   /// Replaces what is marked in the window's IMU data, which then are here until the next call. `at`: the state at the
   /// begin of the window.
   void mend(Window& window, const NavState& at);
+  /// Of turning, over the last 40 ms of updates at least [rad/s], in I.
+  Vec3 rate() const;
 
  private:
   struct Attitude {
@@ -30,8 +32,6 @@ class DoubtedImu {
     Mat3 R = Mat3::Identity();
   };
   const Attitude& back(std::size_t n) const { return attitudes_[(count_ - 1 - n) % attitudes_.size()]; }
-  /// Of turning, over the last 40 ms of updates at least [rad/s], in I.
-  Vec3 rate() const;
 
   std::array<Attitude, 16> attitudes_{};  ///< a ring
   std::size_t count_ = 0;

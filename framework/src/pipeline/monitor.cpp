@@ -99,7 +99,8 @@ void Monitor::begin(bool uses_imu) {
   doubted_ = false;
 }
 
-const MonitorSignals& Monitor::observe(const Window& window, const Update& update, const OverlapScore& overlap) {
+const MonitorSignals& Monitor::observe(const Window& window, const Update& update, const OverlapScore& overlap,
+                                       bool bridged) {
   signals_ = {};
   alarm_.reset();
   measure_view(window, update);
@@ -107,7 +108,7 @@ const MonitorSignals& Monitor::observe(const Window& window, const Update& updat
   if (!update.accepted || update.restart_map) return signals_;
   const double dt = length(window);
   measure_fit(update, overlap, dt);
-  measure_pull(window, update, dt);
+  measure_pull(window, update, dt, bridged);
   age_ += dt;
   note_unbound(update, dt);
   judge(dt);
@@ -162,7 +163,11 @@ void Monitor::measure_view(const Window& window, const Update& update) {
 }
 
 // eq. MON-3.
-void Monitor::measure_pull(const Window& window, const Update& update, double dt) {
+void Monitor::measure_pull(const Window& window, const Update& update, double dt, bool bridged) {
+  if (bridged) {  // it was predicted from its own points
+    velocity_.now = turn_.now = {};
+    return;
+  }
   const bool known = age_ > kKnown;
   const Mat3 Rt = update.prior.R.transpose();
   const Vec3 turn = log_so3(Rt * update.state.R);

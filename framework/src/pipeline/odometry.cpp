@@ -1,5 +1,6 @@
 #include "aslio/pipeline/odometry.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "aslio/pipeline/stage_set.hpp"
 #include "doubted_imu.hpp"
 #include "prior_probe.hpp"
+#include "wide_motion.hpp"
 
 namespace aslio::pipeline {
 
@@ -33,6 +35,7 @@ class Odometry::Loop {
         anew_{context.exec, sensor_, context.log, context.order_seed, true},
         stream_(stream::ImuRange{sensor_.gyro_range, sensor_.acc_range}),
         tracking_(config.limits, context.sensor.sweep_period),
+        wide_motion_(context.sensor),
         monitor_(context.sensor),
         range_noise_(config.range_noise, context.sensor) {
     take(std::move(stages));
@@ -59,6 +62,7 @@ class Odometry::Loop {
   void step(const WindowPlan& plan, UpdateRecord& record) {
     Window window = stream_.cut(plan, ++sequence_);
     doubted_imu_.mend(window, feedback_.state);
+    record.bridged = wide_motion_.mend(window, feedback_.state, doubted_imu_.rate());
     range_noise_.observe(window.fresh);
     if (range_noise_.scale() != noise_scale_) apply_noise_scale();
     const HistorySelection past = stages_.history->select(window);
@@ -74,12 +78,16 @@ class Odometry::Loop {
       stages_.overlap->advance(plan.end);
       record.overlap = stages_.overlap->evaluate(update.points(Tap::overlap), plan.end);
     }
-    record.monitor = monitor_.observe(window, update, record.overlap);
+    record.monitor = monitor_.observe(window, update, record.overlap, record.bridged);
     const bool alarm = monitor_.alarm().has_value();
     if (update.insert && !alarm) insert(window, update, record);
     if (!alarm && (update.accepted || update.status == UpdateStatus::initialising)) {
       // What was placed before the map began anew must not be matched against it.
-      if (update.restart_map) stages_.history->reset();
+      if (update.restart_map) {
+        stages_.history->reset();
+        wide_motion_.forget();
+      }
+      wide_motion_.observe(window, update);
       stages_.history->commit(window, update);
     } else {
       stages_.history->reset();
@@ -87,7 +95,7 @@ class Odometry::Loop {
     // A gap at the begin of the window is no time in which the estimator failed: its silence begins with the data.
     const TimeNs data_begin = window.fresh.empty() ? plan.fresh_begin : window.fresh.front().t;
     record.without_view = lacks_view(window, update);
-    tracking_.observe(update, data_begin, plan.end, record.without_view);
+    tracking_.observe(update, data_begin, plan.end, record.without_view, unread(window));
     if (alarm) tracking_.observe_alarm(plan.end, *monitor_.alarm());
     // One that is lost by silence has a dead-reckoned pose; one that is lost by its state, the last that was accepted.
     // One that is lost by an alarm has its pose from points that do not fit.
@@ -234,6 +242,7 @@ class Odometry::Loop {
     last_point_ = last_accepted_ = segment_begin_ = feedback_.t;
     believed_ = initial.state.pose();
     doubted_imu_.begin(initial.state);
+    wide_motion_.forget();
     stream_.release(feedback_.t);
   }
 
@@ -264,6 +273,12 @@ class Odometry::Loop {
     const double density = static_cast<double>(window.fresh.size()) / std::max(length, 1e-3);
     if (update.accepted) usual_density_ += (usual_density_ > 0 ? kShare : 1.0) * (density - usual_density_);
     return update.status == UpdateStatus::few_matches && density < kHardlyAny * usual_density_;
+  }
+
+  static bool unread(const Window& window) {
+    return window.imu_gap >= WideMotion::kLongGap ||
+           std::any_of(window.imu.begin(), window.imu.end(),
+                       [](const auto& s) { return (s.faults & imu_fault::gyro_dead) != 0; });
   }
 
   bool sound(const NavState& state) const {
@@ -333,6 +348,7 @@ class Odometry::Loop {
   std::optional<PriorProbe> probe_;
   double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
   Tracking tracking_;
+  WideMotion wide_motion_;
   Monitor monitor_;
   RangeNoise range_noise_;
   double noise_scale_ = 1;  ///< that the stages know of

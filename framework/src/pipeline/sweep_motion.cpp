@@ -10,77 +10,18 @@
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/spread.hpp"
-#include "sweep_cells.hpp"
+#include "inertial_path.hpp"
+#include "motion_normal.hpp"
 
 namespace aslio::pipeline {
 
 namespace {
 
-using Vec9 = Eigen::Matrix<double, 9, 1>;
-using Mat9 = Eigen::Matrix<double, 9, 9>;
-
 constexpr double kMaxSpeed = 40.0;               // [m/s]
 constexpr std::size_t kReferencePoints = 40000;  // of the first sweep
 constexpr std::size_t kScanPoints = 8000;        // of those, where velocities are compared
-constexpr std::size_t kQueryPoints = 1200;       // of each other one
-constexpr double kMaxRange = 50.0;               // beyond, points lie too far apart for the cells [m]
 constexpr double kMaxUprightRange = 100.0;       // and to compare velocities by what stands there [m]
 constexpr std::size_t kMinSweepPoints = 100;     // a sweep with fewer says nothing
-
-/// How far the registration looks, from coarse to fine: edge of the cells and least deviation from a surface [m].
-struct Level {
-  double edge, softness;
-  int iterations;
-};
-constexpr std::array<Level, 3> kLevels = {{{2.0, 0.2, 5}, {1.0, 0.08, 5}, {0.5, 0.04, 6}}};
-
-/// Attitude and displacement by specific force over the span, from the IMU alone.
-class InertialPath {
- public:
-  InertialPath(std::span<const ImuSample> imu, TimeNs begin) {
-    knots_.push_back({begin, Mat3::Identity(), Vec3::Zero(), Vec3::Zero()});
-    for (std::size_t i = 1; i < imu.size(); ++i) {
-      const double dt = to_seconds(imu[i].t - imu[i - 1].t);
-      if (!(dt > 0)) continue;
-      const Knot& from = knots_.back();
-      const Mat3 half = from.R * exp_so3(0.25 * dt * (imu[i - 1].gyro + imu[i].gyro));
-      const Vec3 acc = half * (0.5 * (imu[i - 1].acc + imu[i].acc));
-      knots_.push_back({imu[i].t, from.R * exp_so3(0.5 * dt * (imu[i - 1].gyro + imu[i].gyro)), from.v + dt * acc,
-                        from.s + dt * from.v + 0.5 * dt * dt * acc});
-    }
-  }
-  SweepPoint point(const Vec3& p_I, TimeNs t) {
-    while (at_ + 2 < knots_.size() && knots_[at_ + 1].t < t) ++at_;
-    SweepPoint out;
-    out.t = to_seconds(t - knots_.front().t);
-    const Knot& a = knots_[at_];
-    if (knots_.size() == 1) {
-      out.q = out.y = p_I;
-      return out;
-    }
-    const Knot& b = knots_[at_ + 1];
-    const double u = std::clamp(to_seconds(t - a.t) / to_seconds(b.t - a.t), 0.0, 1.0);
-    const double dt = u * to_seconds(b.t - a.t);
-    const Vec3 acc = (b.v - a.v) / to_seconds(b.t - a.t);
-    out.q = interpolate({a.R, Vec3::Zero()}, {b.R, Vec3::Zero()}, u).R * p_I;
-    out.y = out.q + a.s + dt * a.v + 0.5 * dt * dt * acc;
-    return out;
-  }
-
- private:
-  struct Knot {
-    TimeNs t;
-    Mat3 R;
-    Vec3 v, s;
-  };
-  std::vector<Knot> knots_;
-  std::size_t at_ = 0;
-};
-
-struct Normal {
-  Mat9 H = Mat9::Zero();
-  Vec9 b = Vec9::Zero();
-};
 
 class Registration {
  public:
@@ -100,7 +41,8 @@ class Registration {
       if (k == 0) overlap_edge_ = overlap_edge(standing);
       standing_[of] = spread(standing, kQueryPoints, 1.0 / overlap_edge_);
       std::erase_if(all, [](const SweepPoint& p) { return p.q.norm() > kMaxRange; });
-      sweeps_[of] = spread(all, k == 0 ? kReferencePoints : kQueryPoints, k == 0 ? 6.0 : std::min(2.0, 1.0 / overlap_edge_));
+      sweeps_[of] =
+          spread(all, k == 0 ? kReferencePoints : kQueryPoints, k == 0 ? 6.0 : std::min(2.0, 1.0 / overlap_edge_));
       if (standing_[of].size() < kMinSweepPoints) standing_[of] = some(sweeps_[of], kScanPoints);
     }
     if (!complete()) return;
@@ -142,26 +84,16 @@ class Registration {
     for (std::size_t level = std::min(from, finest_); level <= finest_; ++level) {
       for (int i = 0; i < kLevels[level].iterations; ++i) {
         if (i % 2 == 0) build(motion, level);
-        if (step(motion, last).norm() < 1e-3) break;
+        if (step(motion, last) < 1e-3) break;
       }
     }
   }
 
-  /// Mean agreement of the upright points of a sweep at the finest level. `all`: those that meet no surface count as well, as
-  /// not in agreement.
+  /// Mean agreement of the upright points of a sweep at the finest level. `all`: those that meet no surface count as
+  /// well, as not in agreement.
   double fit(const ConstantMotion& motion, std::size_t sweep, bool all) {
     cells_.build(sweeps_[0], motion, kLevels[finest_].edge, kLevels[finest_].softness);
-    double sum = 0;
-    std::size_t n = 0;
-    for (const SweepPoint& p : standing_[sweep]) {
-      const Vec3 x = motion.place(p);
-      const SweepCell* cell = cells_.nearest(x);
-      if (cell == nullptr) continue;
-      ++n;
-      const Vec3 r = x - cell->centre;
-      sum += std::exp(-0.5 * r.dot(cell->information * r));
-    }
-    return sum / static_cast<double>(std::max<std::size_t>(all ? standing_[sweep].size() : n, 1));
+    return agreement(standing_[sweep], motion, cells_, all);
   }
 
   /// Covariance of (v, g, e) after refine(). The softness stands for one standard deviation; on real drives the errors
@@ -293,55 +225,22 @@ class Registration {
     return out;
   }
 
-  /// What is known beforehand: the direction of gravity to 10 deg, the rate of the gyro to 0.02 rad/s.
-  void add_prior(const ConstantMotion& motion, Normal& sum) const {
-    const double sigma_g = inertial_ ? 1.7 : 3.0, sigma_e = inertial_ ? 0.02 : 1.0;
-    constexpr double sigma_v = 100.0;  // [m/s], keeps H regular
-    sum.H.diagonal().head<3>().array() += 1.0 / (sigma_v * sigma_v);
-    sum.H.diagonal().segment<3>(3).array() += 1.0 / (sigma_g * sigma_g);
-    sum.H.diagonal().tail<3>().array() += 1.0 / (sigma_e * sigma_e);
-    sum.b.segment<3>(3) += (motion.g - prior_.g) / (sigma_g * sigma_g);
-    sum.b.tail<3>() += motion.e / (sigma_e * sigma_e);
-  }
-
-  Normal linearise(const ConstantMotion& motion, std::size_t last) {
-    Normal sum;
-    add_prior(motion, sum);
-    add_matches(motion, last, cells_, sum);
-    if (coarse_too_) add_matches(motion, last, coarse_, sum);
+  MotionNormal linearise(const ConstantMotion& motion, std::size_t last) {
+    // Known beforehand: the direction of gravity to 10 deg, the rate of the gyro to 0.02 rad/s.
+    const MotionSigma sigma{100.0, inertial_ ? 1.7 : 3.0, inertial_ ? 0.02 : 1.0};
+    MotionNormal sum;
+    sum.add_prior(motion, prior_, sigma);
+    for (std::size_t k = 1; k <= last; ++k) {
+      sum.add_matches(sweeps_[k], motion, cells_);
+      if (coarse_too_) sum.add_matches(sweeps_[k], motion, coarse_);
+    }
     return sum;
   }
 
-  void add_matches(const ConstantMotion& motion, std::size_t last, SweepCells& cells, Normal& sum) const {
-    for (std::size_t k = 1; k <= last; ++k) {
-      for (const SweepPoint& p : sweeps_[k]) {
-        const Vec3 x = motion.place(p);
-        const SweepCell* cell = cells.nearest(x);
-        if (cell == nullptr) continue;
-        const Vec3 r = x - cell->centre;
-        const Vec3 weighted = cell->information * r;
-        const double square = r.dot(weighted);
-        if (!(square < 100.0)) continue;
-        const double robust = 1.0 / std::pow(1.0 + square / 4.0, 2);  // Geman-McClure at two sigma
-        Eigen::Matrix<double, 3, 9> J;
-        J.leftCols<3>() = (p.t - cell->mean.t) * Mat3::Identity();
-        J.middleCols<3>(3) = 0.5 * (p.t * p.t - cell->mean_square_t) * Mat3::Identity();
-        J.rightCols<3>() = -(p.t * hat(p.q) - cell->mean.t * hat(cell->mean.q));
-        sum.H += robust * J.transpose() * cell->information * J;
-        sum.b += robust * J.transpose() * weighted;
-      }
-    }
-  }
-
-  Vec9 step(ConstantMotion& motion, std::size_t last) {
-    const Normal sum = linearise(motion, last);
-    const Vec9 step = -sum.H.ldlt().solve(sum.b);
-    if (!step.allFinite()) return Vec9::Zero();
-    motion.v += step.head<3>();
-    motion.g += step.segment<3>(3);
-    motion.e += step.tail<3>();
+  double step(ConstantMotion& motion, std::size_t last) {
+    const double moved = linearise(motion, last).step(motion);
     if (inertial_) motion.g *= kStandardGravity / motion.g.norm();
-    return step;
+    return moved;
   }
 
   /// The finest level at which enough points meet a surface: few lines leave small cells without one.
@@ -408,7 +307,7 @@ struct Scored {
 
 constexpr double kSame = 0.03;   // overlaps that differ by less are equal
 constexpr double kBetter = 1.1;  // a fit that is better by less is as good
-constexpr double kFits = 0.35;    // of the best fit: less is none
+constexpr double kFits = 0.35;   // of the best fit: less is none
 
 struct Refined {
   ConstantMotion motion;
@@ -452,7 +351,8 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   for (const Vec3& v : hypotheses(registration, period)) scored.push_back({v, registration.coarse_score(v)});
   std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   std::vector<Vec3> candidates = {Vec3::Zero()};
-  const bool rest_is_best = scored.empty() || (score_at_rest > kUnmoved && score_at_rest >= scored.front().score - kSame);
+  const bool rest_is_best =
+      scored.empty() || (score_at_rest > kUnmoved && score_at_rest >= scored.front().score - kSame);
   for (const Scored& s : scored) {
     if (candidates.size() > (calm && rest_is_best ? kAtRest : kRefined)) break;
     const bool apart = std::all_of(candidates.begin(), candidates.end(),

@@ -50,7 +50,7 @@ void Tracking::restart(TimeNs t) {
   begin(t);
 }
 
-void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool without_view) {
+void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool without_view, bool unread) {
   // A gap in the data is no fault of the estimator, wherever it lies among refused windows.
   const bool without_gap = last_end_ > kTimeMin && begin - last_end_ <= no_gap_;
   const TimeNs length = end - (without_gap ? last_end_ : begin);
@@ -78,7 +78,7 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
   if (update.accepted) {
     silence_ = 0;
     ever_accepted_ = true;
-    if (s.b_a.norm() > kMaxAccBias) {
+    if (unread || s.b_a.norm() > kMaxAccBias) {
       accepted_in_a_row_ = 0;
       status_ = TrackingStatus::degraded;
       return;

@@ -48,8 +48,10 @@ class Monitor {
 
   /// `uses_imu`: the prior is a prediction by the IMU. Forgets all levels, not the report.
   void begin(bool uses_imu);
-  /// `overlap`: of this window with what was known before it.
-  const MonitorSignals& observe(const Window& window, const Update& update, const OverlapScore& overlap);
+  /// `overlap`: of this window with what was known before it. `bridged`: its IMU data come from its points (WID-1), and
+  /// say nothing against them.
+  const MonitorSignals& observe(const Window& window, const Update& update, const OverlapScore& overlap,
+                                bool bridged = false);
   /// Why the run is lost by the update that was observed last; nothing: it is not.
   const std::optional<std::string>& alarm() const { return alarm_; }
   const MonitorReport& report() const { return report_; }
@@ -82,7 +84,7 @@ class Monitor {
 
   void judge_gap(const Window& window, const Update& update);
   void measure_fit(const Update& update, const OverlapScore& overlap, double dt);
-  void measure_pull(const Window& window, const Update& update, double dt);
+  void measure_pull(const Window& window, const Update& update, double dt, bool bridged);
   void measure_view(const Window& window, const Update& update);
   void note_unbound(const Update& update, double dt);
   void judge_learnt(const Update& update, double dt);

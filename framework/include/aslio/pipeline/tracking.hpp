@@ -27,6 +27,7 @@ struct TrackingLimits {
 ///   ok -> degraded              after a refused update; -> ok after kRecovered accepted ones in a row
 ///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has one, but a
 ///                               filter that follows moving things or a wrong start explains its motion with it
+///   ok -> degraded              also while the IMU is silent, stuck or dead, and the points alone say how it moves
 ///   degraded -> lost            after more than max_silence of refused updates
 ///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
 ///                               max_gap: dead reckoning is then off by more than what a match can make good; and with
@@ -43,8 +44,9 @@ class Tracking {
   /// The data up to `t` are no part of what follows.
   void begin(TimeNs t) { last_end_ = t; }
   /// Takes the outcome of an update over the fresh data of [begin, end]. One that was refused because hardly any points
-  /// came (`without_view`) is no fault: it counts as silence alone.
-  void observe(const Update& update, TimeNs begin, TimeNs end, bool without_view = false);
+  /// came (`without_view`) is no fault: it counts as silence alone. One without IMU readings to believe (`unread`) is
+  /// good for now, and the run is degraded.
+  void observe(const Update& update, TimeNs begin, TimeNs end, bool without_view = false, bool unread = false);
   /// There were no points within (begin, end). Lost, if that is too long.
   void observe_gap(TimeNs begin, TimeNs end);
   /// There are no IMU data for more than max_gap after `t`, or none ever: lost.
