@@ -66,6 +66,9 @@ class Ieskf final : public Estimator {
     sigma_ = params_.sigma * scale;
     residual_->set_noise_scale(scale);
   }
+  void doubt_gyro_bias(double sigma) override {  // eq. MOT-13
+    P_.diagonal().segment<3>(block::b_w).array() += sigma * sigma;
+  }
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;

@@ -86,4 +86,16 @@ void walk_gravity(const EstimatedStates& estimated, const Vec3& g, double dt, St
   P.block<3, 3>(block::g, block::g) += walk * walk * dt * (g.squaredNorm() * Mat3::Identity() - g * g.transpose());
 }
 
+// eq. MOT-12.
+void hold_calibration(StateMatrix& P) {
+  constexpr int sensor[][2] = {{block::b_w, 3}, {block::b_a, 3}, {block::s, 9}, {block::d, 1}};
+  constexpr int motion[] = {block::theta, block::p, block::v, block::g};
+  for (const auto& [of, size] : sensor) {
+    for (const int at : motion) {
+      P.block(of, at, size, 3).setZero();
+      P.block(at, of, 3, size).setZero();
+    }
+  }
+}
+
 }  // namespace aslio::plugins

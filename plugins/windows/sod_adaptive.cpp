@@ -13,6 +13,8 @@ constexpr TimeNs kLookaheadStep = 10'000'000;
 constexpr double kImuMemory = 2e9;
 /// An IMU that says nothing for so long [ns], and for so many of its steps, is in a gap.
 constexpr double kUnread = 5e7, kUnreadSteps = 2.5;
+/// And for so long after it [ns] only whole views correct what it left wrong.
+constexpr TimeNs kRecovery = kSecond / 2;
 
 /// Silence before the first of `data`, of which `last` came before; `last` becomes the last of them.
 template <class T>
@@ -93,9 +95,12 @@ void SodAdaptiveWindow::pace(std::span<const ImuSample> imu) {
   }
 }
 
-bool SodAdaptiveWindow::unread(TimeNs t) const {
-  return last_read_ != kTimeMin &&
-         static_cast<double>(t - last_read_) > std::max(kUnread, kUnreadSteps * imu_time_ / imu_intervals_);
+bool SodAdaptiveWindow::unread(TimeNs t) {
+  if (last_read_ != kTimeMin &&
+      static_cast<double>(t - last_read_) > std::max(kUnread, kUnreadSteps * imu_time_ / imu_intervals_)) {
+    unread_until_ = t + kRecovery;
+  }
+  return t < unread_until_;
 }
 
 void SodAdaptiveWindow::absorb(const Feedback& feedback) {

@@ -42,8 +42,8 @@ class SodAdaptiveWindow final : public WindowStrategy {
   /// Takes note of the time between IMU samples, those of a window behind those before; what is older than some two
   /// seconds counts half, older than four a quarter.
   void pace(std::span<const ImuSample> imu);
-  /// Whether the IMU has said nothing that can be believed for too long before `t`.
-  bool unread(TimeNs t) const;
+  /// Whether the IMU has said nothing that can be believed for too long before `t`, or not long before.
+  bool unread(TimeNs t);
 
   TimeNs frame_length_;
   TimeNs warmup_;
@@ -56,9 +56,11 @@ class SodAdaptiveWindow final : public WindowStrategy {
   TimeNs probed_ = 0;             ///< part of the pending window already looked at [ns]
   // Last data of the windows returned; kTimeMin before the first.
   TimeNs last_point_ = kTimeMin;
-  TimeNs last_imu_ = kTimeMin, last_read_ = kTimeMin;  ///< any sample, and one of a gyro that is not dead
-  double imu_time_ = 0;                                ///< of the intervals between samples of late, without gaps [ns]
-  double imu_intervals_ = 0;                           ///< their number
+  TimeNs last_imu_ = kTimeMin,
+         last_read_ = kTimeMin;  ///< any sample, and one of a gyro that is neither dead nor clipped
+  TimeNs unread_until_ = kTimeMin;
+  double imu_time_ = 0;       ///< of the intervals between samples of late, without gaps [ns]
+  double imu_intervals_ = 0;  ///< their number
 };
 
 }  // namespace aslio::plugins

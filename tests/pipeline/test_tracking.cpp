@@ -220,6 +220,34 @@ TEST_CASE("tracking: a run that begins anew is recovering until five updates in 
   CHECK_FALSE(play.tracking.losses().back().restarted);
 }
 
+TEST_CASE("tracking: without IMU readings a run is degraded, and lost where the points leave a direction open") {
+  for (const bool open : {false, true}) {
+    CAPTURE(open);
+    Tracking tracking({}, 0.1);
+    TimeNs t = 0;
+    tracking.begin(t);
+    Update update;
+    update.accepted = true;
+    update.status = UpdateStatus::ok;
+    const auto observe = [&](bool unread, bool left_open) {
+      update.left_open = left_open;
+      tracking.observe(update, t, t + kTenth, false, unread);
+      t += kTenth;
+    };
+    for (int i = 0; i < 10; ++i) observe(false, true);  // a corridor is no trouble while the IMU reads
+    CHECK(tracking.status() == TrackingStatus::ok);
+    for (int i = 0; i < 5; ++i) observe(true, false);
+    CHECK(tracking.status() == TrackingStatus::degraded);
+    for (int i = 0; i < 2; ++i) observe(false, open);
+    CHECK(tracking.lost() == open);
+    if (open) continue;
+    for (int i = 0; i < 5; ++i) observe(false, false);
+    CHECK(tracking.status() == TrackingStatus::ok);
+    for (int i = 0; i < 10; ++i) observe(false, true);
+    CHECK(tracking.status() == TrackingStatus::ok);
+  }
+}
+
 TEST_CASE("tracking: a gap of more than max_gap is a loss, a shorter one is none") {
   Play play;
   play.accepted(2);

@@ -110,6 +110,7 @@ Json counts(const Summary& s) {
   out["updates_refused"] = sum(s.refused_by_status);
   out["updates_without_view"] = s.updates_without_view;
   out["updates_bridged"] = s.updates_bridged;
+  out["gyro_bias_steps"] = s.gyro_bias_steps;
   return out;
 }
 

@@ -60,6 +60,7 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
   const bool initialising = record.status == UpdateStatus::initialising;
   matchable_points_ += record.update->match_points.size();
   bridged_ += record.bridged;
+  bias_steps_ += record.bias_step;
   if (record.update->accepted) {
     ++accepted_;
     if (last_accepted_ && plan.end - *last_accepted_ > kMostSilence && !silent_from_) silent_from_ = last_accepted_;
@@ -102,6 +103,7 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
   summary.refused_by_status = refused_;
   summary.updates_without_view = without_view_;
   summary.updates_bridged = bridged_;
+  summary.gyro_bias_steps = bias_steps_;
   summary.accepted = accepted_;
   summary.matchable_points = matchable_points_;
   summary.refused_after_accepted = refused_after_accepted_;

@@ -9,6 +9,7 @@
 #include "aslio/pipeline/monitor.hpp"
 #include "aslio/pipeline/new_start.hpp"
 #include "aslio/pipeline/stage_set.hpp"
+#include "bias_watch.hpp"
 #include "doubted_imu.hpp"
 #include "prior_probe.hpp"
 #include "wide_motion.hpp"
@@ -102,7 +103,12 @@ class Odometry::Loop {
     if (!alarm && (tracking_.lost() ? sound(update.state) : update.accepted)) believed_ = update.state.pose();
     if (update.accepted && !tracking_.lost()) last_accepted_ = plan.end;
     doubted_imu_.observe(update.state);
+    // What it left wrong turns predictions, too.
+    if (record.bridged || alarm || unread(window)) bias_watch_.begin();
+    const double bias_off = bias_watch_.observe(window, update);
+    record.bias_step = bias_off > 0;
     report(window, past, update, record);
+    if (record.bias_step) stages_.estimator->doubt_gyro_bias(bias_off);
     // Of a map that has begun anew nothing is known.
     const OverlapScore overlap = update.restart_map ? OverlapScore{} : record.overlap;
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,    overlap,
@@ -243,6 +249,7 @@ class Odometry::Loop {
     believed_ = initial.state.pose();
     doubted_imu_.begin(initial.state);
     wide_motion_.forget();
+    bias_watch_.begin();
     stream_.release(feedback_.t);
   }
 
@@ -349,6 +356,7 @@ class Odometry::Loop {
   double deciding_ = 0;  ///< CPU time of the window that comes next, so far [s]
   Tracking tracking_;
   WideMotion wide_motion_;
+  BiasWatch bias_watch_;
   Monitor monitor_;
   RangeNoise range_noise_;
   double noise_scale_ = 1;  ///< that the stages know of

@@ -41,8 +41,7 @@ class Registration {
       if (k == 0) overlap_edge_ = overlap_edge(standing);
       standing_[of] = spread(standing, kQueryPoints, 1.0 / overlap_edge_);
       std::erase_if(all, [](const SweepPoint& p) { return p.q.norm() > kMaxRange; });
-      sweeps_[of] =
-          spread(all, k == 0 ? kReferencePoints : kQueryPoints, k == 0 ? 6.0 : std::min(2.0, 1.0 / overlap_edge_));
+      sweeps_[of] = spread(all, k == 0 ? kReferencePoints : kQueryPoints, k == 0 ? 6.0 : 1.0);
       if (standing_[of].size() < kMinSweepPoints) standing_[of] = some(sweeps_[of], kScanPoints);
     }
     if (!complete()) return;
@@ -163,13 +162,22 @@ class Registration {
 
   /// One of every cell, so that near surfaces do not outvote all others, and of those so many.
   static std::vector<SweepPoint> spread(const std::vector<SweepPoint>& all, std::size_t most, double inverse_edge) {
-    CellIndex seen;
+    CellIndex index;
     std::vector<SweepPoint> apart;
+    std::vector<double> off;  // of each from the centre of its cell
     for (const SweepPoint& p : all) {
       const auto cell = cell_of(p.q, inverse_edge);
-      if (!cell || seen.find(pack(*cell)) != CellIndex::kNone) continue;
-      seen.insert(pack(*cell), 0);
-      apart.push_back(p);
+      if (!cell) continue;
+      const double distance = (inverse_edge * p.q - Vec3(cell->x + 0.5, cell->y + 0.5, cell->z + 0.5)).squaredNorm();
+      const std::uint32_t at = index.find(pack(*cell));
+      if (at == CellIndex::kNone) {
+        index.insert(pack(*cell), static_cast<std::uint32_t>(apart.size()));
+        apart.push_back(p);
+        off.push_back(distance);
+      } else if (distance < off[at]) {
+        apart[at] = p;
+        off[at] = distance;
+      }
     }
     return some(apart, most);
   }

@@ -46,7 +46,8 @@ void Tracking::restart(TimeNs t) {
   losses_.back().restarted = t;
   status_ = TrackingStatus::recovering;
   accepted_in_a_row_ = 0;
-  silence_ = 0;
+  silence_ = open_ = 0;
+  unread_ = false;
   begin(t);
 }
 
@@ -78,6 +79,11 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
   if (update.accepted) {
     silence_ = 0;
     ever_accepted_ = true;
+    if (drifts_unread(length, unread, update.leaves_open())) {
+      return diverge(end, true,
+                     "the IMU read nothing, and before all was well again the points left a direction open: how far "
+                     "the sensor went is not known");
+    }
     if (unread || s.b_a.norm() > kMaxAccBias) {
       accepted_in_a_row_ = 0;
       status_ = TrackingStatus::degraded;
@@ -98,6 +104,13 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
         end, true,
         fmt::format("no accepted update for {:.2f} s (last refusal: {})", to_seconds(silence_), name(update.status)));
   }
+}
+
+bool Tracking::drifts_unread(TimeNs length, bool unread, bool open) {
+  if (unread) unread_ = true;
+  if (status_ == TrackingStatus::ok) unread_ = unread;
+  open_ = unread_ && open ? open_ + length : 0;
+  return open_ > kOpenWhileUnread;
 }
 
 }  // namespace aslio::pipeline

@@ -8,7 +8,7 @@ namespace aslio::pipeline {
 namespace {
 
 /// Position in the octahedral map (as PackedDirection), of `side` cells per axis.
-std::size_t cell_of(const Eigen::Vector3f& d, float sum, int side) {
+std::size_t octahedral_cell(const Eigen::Vector3f& d, float sum, int side) {
   float a = d.x() / sum, b = d.y() / sum;
   if (d.z() < 0) {
     const float x = a;
@@ -48,7 +48,7 @@ std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const 
     const Eigen::Vector3f d = R * p;
     const float sum = d.cwiseAbs().sum();
     if (!std::isfinite(sum)) return std::nullopt;
-    Cell& cell = now_[cell_of(d, sum, kSide)];
+    Cell& cell = now_[octahedral_cell(d, sum, kSide)];
     cell.sum += std::log(range);
     ++cell.n;
   }

@@ -293,6 +293,30 @@ TEST_CASE("a gap of more than two frames ends the echo even where the window bef
   CHECK(second_slow(645 * kMs) == 11);
 }
 
+TEST_CASE("while the IMU says nothing, and soon after, the rate does not rise") {  // eq. WIN-8
+  for (const bool dead : {false, true}) {
+    CAPTURE(dead);
+    std::vector<TimedPoint> points;
+    test::add_points(points, 0, 3000 * kMs, kMs, 20);
+    std::vector<ImuSample> imu = test::imu_samples(0, 3000 * kMs);
+    const auto in_gap = [](const ImuSample& s) { return s.t > 1000 * kMs && s.t < 1500 * kMs; };
+    if (dead) {
+      for (ImuSample& s : imu) s.faults = in_gap(s) ? imu_fault::gyro_dead : 0;
+    } else {
+      std::erase_if(imu, in_gap);
+    }
+    const auto plans =
+        run(without_warmup(), {std::move(points), std::move(imu)}, [](const WindowPlan&) { return 0.0; });
+    for (const WindowPlan& plan : plans) {
+      CAPTURE(plan.end);
+      if (plan.fresh_begin > 1100 * kMs && plan.end < 1950 * kMs) CHECK(plan.seg_time == 2);
+      if (plan.end < 1000 * kMs && plan.fresh_begin > 200 * kMs) CHECK(plan.seg_time > 10);
+      if (plan.fresh_begin > 2300 * kMs && plan.end < 2900 * kMs) CHECK(plan.seg_time > 10);
+    }
+    CHECK(plans.size() > 50);
+  }
+}
+
 TEST_CASE("a gap in the IMU data of more than two frames ends the echo") {
   for (const TimeNs gap : {195 * kMs, 205 * kMs}) {
     std::vector<TimedPoint> points;
@@ -300,7 +324,9 @@ TEST_CASE("a gap in the IMU data of more than two frames ends the echo") {
     std::vector<ImuSample> imu = test::imu_samples(0, 400 * kMs);
     for (const ImuSample& sample : test::imu_samples(400 * kMs + gap, 1200 * kMs)) imu.push_back(sample);
     // Low once, within the gap: n = 11 from 500 ms to 700 ms unless the end of the gap, about 600 ms, ends it.
-    const auto plans = run(without_warmup(), {std::move(points), std::move(imu)},
+    SodAdaptiveWindow::Params params = without_warmup();
+    params.imu_samples = 0;  // the overlap alone decides
+    const auto plans = run(params, {std::move(points), std::move(imu)},
                            [](const WindowPlan& plan) { return plan.end == 500 * kMs ? 0.0 : 0.95; });
     std::size_t i = 0;
     while (plans.at(i).end < 400 * kMs + gap) ++i;

@@ -49,6 +49,7 @@ struct Summary {
   std::array<std::uint64_t, 6> updates_by_status{};      ///< by UpdateStatus
   std::array<std::uint64_t, 6> refused_by_status{};      ///< of them, those refused: after the map had its first points
   std::uint64_t updates_bridged = 0;  ///< points stood in for IMU readings
+  std::uint64_t gyro_bias_steps = 0;  ///< that were found and learnt anew
   std::uint64_t updates_without_view = 0;                ///< hardly any points came, which is no refusal
   std::uint64_t accepted = 0;                            ///< updates that corrected the state
   std::uint64_t matchable_points = 0;                    ///< points that the samplers left to match, of all updates
@@ -127,7 +128,7 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   double path_length_ = 0;  ///< [m]
   StepCounts steps_;        ///< between the ends of consecutive whole windows
   std::array<std::uint64_t, 6> by_status_{}, refused_{};
-  std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0, without_view_ = 0, bridged_ = 0;
+  std::uint64_t updates_ = 0, accepted_ = 0, matchable_points_ = 0, without_view_ = 0, bridged_ = 0, bias_steps_ = 0;
   TimeNs covered_ = 0;
   std::optional<TimeNs> first_begin_;
   std::optional<Calibration> calibration_;

@@ -28,7 +28,8 @@ struct TrackingLimits {
 ///   ok -> degraded              also while the accelerometer's bias is beyond kMaxAccBias: no sensor has one, but a
 ///                               filter that follows moving things or a wrong start explains its motion with it
 ///   ok -> degraded              also while the IMU is silent, stuck or dead, and the points alone say how it moves
-///   degraded -> lost            after more than max_silence of refused updates
+///   degraded -> lost            after more than max_silence of refused updates; and when the points leave a direction
+///                               open for 0.15 s before all is well again after an IMU that read nothing
 ///   any -> lost                 with a state that is not finite or faster than max_speed, and after a gap of more than
 ///                               max_gap: dead reckoning is then off by more than what a match can make good; and with
 ///                               an IMU that is silent for as long, which leaves nothing to predict from; and where
@@ -70,10 +71,13 @@ class Tracking {
 
  private:
   void diverge(TimeNs t, bool may_restart, std::string reason);
+  /// Whether the points leave a direction open soon after the IMU read nothing, so that its velocity is not known.
+  bool drifts_unread(TimeNs length, bool unread, bool open);
 
   static constexpr int kRecovered = 5;
   static constexpr TimeNs kBlink = kSecond * 3 / 20;  ///< without a view: one empty message is no trouble
-  static constexpr double kMaxAccBias = 1.5;          // [m/s^2]
+  static constexpr TimeNs kOpenWhileUnread = kSecond * 3 / 20;
+  static constexpr double kMaxAccBias = 1.5;  // [m/s^2]
   TrackingLimits limits_;
   TimeNs max_silence_;
   TimeNs no_gap_;  ///< a time without data, no longer than between two messages
@@ -81,6 +85,8 @@ class Tracking {
   int accepted_in_a_row_ = 0;
   TimeNs silence_ = 0;          ///< of the refused updates in a row, without gaps in the data
   TimeNs last_end_ = kTimeMin;  ///< of the last update
+  bool unread_ = false;         ///< the IMU read nothing since the run was well
+  TimeNs open_ = 0;             ///< of updates in a row that left a direction open while unread_
   bool ever_accepted_ = false, may_restart_ = false;
   std::vector<Divergence> losses_;
 };

@@ -29,6 +29,7 @@ struct UpdateRecord {
   std::uint32_t n_history = 0;  ///< history points offered
   bool without_view = false;    ///< refused for want of points: of a message that was empty, say
   bool bridged = false;         ///< its points stood in for IMU readings that were missing or not believed (WID-1)
+  bool bias_step = false;       ///< it showed that the gyro's bias had stepped (MOT-13)
   OverlapScore overlap;
   int iterations = 0;
   std::uint32_t n_matches = 0;  ///< accepted fresh and history residuals
