@@ -90,10 +90,7 @@ void Ieskf::propagate(const Window& window) {
   seen_.middleRows<3>(6) = turned / std::max(to_seconds(state.t - begin_.t), 1e-6);
   seen_.block<3, 3>(9, block::v).setIdentity();
   if (states_.empty()) states_.push_back(state);
-  constexpr auto gyro_faults = imu_fault::gyro_dead | imu_fault::gyro_clipped;
-  if (std::any_of(imu_.begin(), imu_.end(), [](const ImuSample& s) { return (s.faults & gyro_faults) != 0; })) {
-    hold_calibration(P_);
-  }
+  hold_calibration(imu_, P_);
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   state_ = state;
 }

@@ -1,5 +1,7 @@
 #include "estimators/initial_covariance.hpp"
 
+#include <algorithm>
+
 #include "aslio/core/angles.hpp"
 
 namespace aslio::plugins {
@@ -87,7 +89,9 @@ void walk_gravity(const EstimatedStates& estimated, const Vec3& g, double dt, St
 }
 
 // eq. MOT-12.
-void hold_calibration(StateMatrix& P) {
+void hold_calibration(std::span<const ImuSample> imu, StateMatrix& P) {
+  constexpr auto unread = imu_fault::gyro_dead | imu_fault::gyro_clipped;
+  if (std::none_of(imu.begin(), imu.end(), [](const ImuSample& s) { return (s.faults & unread) != 0; })) return;
   constexpr int sensor[][2] = {{block::b_w, 3}, {block::b_a, 3}, {block::s, 9}, {block::d, 1}};
   constexpr int motion[] = {block::theta, block::p, block::v, block::g};
   for (const auto& [of, size] : sensor) {

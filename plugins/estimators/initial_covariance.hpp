@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "aslio/config/binder.hpp"
@@ -35,8 +36,9 @@ StateMatrix initial_covariance(const InitialState& initial, const EstimatedState
 /// Adds to P what gravity `g` [m/s^2] may have turned against the map in `dt` [s] (eq. MOT-8).
 void walk_gravity(const EstimatedStates& estimated, const Vec3& g, double dt, StateMatrix& P);
 
-/// Sets the covariances between motion (pose, velocity, gravity) and calibration (biases, scale, delay) to 0: what is
-/// no reading says nothing of the sensor that did not read it (docs/equations.md MOT-12).
-void hold_calibration(StateMatrix& P);
+/// Where the gyro was dead or at the end of its range, sets the covariances between motion (pose, velocity, gravity)
+/// and calibration (biases, scale, delay) to 0: what is no reading says nothing of the sensor that did not read it
+/// (docs/equations.md MOT-12).
+void hold_calibration(std::span<const ImuSample> imu, StateMatrix& P);
 
 }  // namespace aslio::plugins
