@@ -203,3 +203,29 @@ TEST_CASE("initialisation: nothing is averaged over a gap of the IMU") {
   CHECK_THAT(found->verdict, Contains("over 21 samples"));
   CHECK_FALSE(Start().imu(0, 0, 0.005, kUp).imu(4.0, 4.05, 0.005, kUp).run());
 }
+
+TEST_CASE("initialisation: the first sweeps prove a rest only where they bind the velocity") {  // eq. INI-6
+  SweepMotion motion;
+  motion.gravity = Vec3(0, 0, -kStandardGravity);
+  motion.believed = true;
+  const auto start = [&](double sigma, bool moves) {
+    Initialisation found;
+    found.initial.mode = InitialMode::static_start;
+    motion.sigma_velocity = sigma;
+    motion.moves = moves;
+    motion.velocity = moves ? Vec3(11, 0, 0) : Vec3(0.1, 0, 0);
+    apply_sweep_motion(found, motion);
+    return found;
+  };
+  CHECK(start(0.3, false).initial.mode == InitialMode::static_start);
+  CHECK_THAT(start(0.3, false).verdict, Contains("at rest"));
+  const Initialisation bare_road = start(3.7, false);
+  CHECK(bare_road.initial.mode == InitialMode::dynamic_start);
+  CHECK(bare_road.initial.sigma_velocity == 3.0);
+  CHECK_THAT(bare_road.verdict, Contains("velocity not known"));
+  const Initialisation car = start(0.3, true);
+  CHECK(car.initial.mode == InitialMode::moving_start);
+  CHECK(car.initial.state.v.norm() == Approx(11));
+  motion.believed = false;
+  CHECK(start(0.3, true).initial.mode == InitialMode::dynamic_start);
+}

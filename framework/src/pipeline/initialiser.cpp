@@ -187,13 +187,16 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   const std::string seen = fmt::format("first sweeps: {:.2f} +- {:.2f} m/s, agreement {:.2f}, at rest {:.2f}",
                                        motion.velocity.norm(), motion.sigma_velocity, motion.fit, motion.fit_at_rest);
   const bool without_imu = motion.gravity.squaredNorm() == 0;
-  if ((static_by_imu || without_imu) && !motion.moves) {
+  // Sweeps that bind no velocity, of a bare road say, prove no rest.
+  constexpr double proves = 0.7;  // [m/s]; rests in rooms and streets have up to 0.35
+  const bool bound = motion.sigma_velocity < proves;
+  if ((static_by_imu || without_imu) && !motion.moves && bound) {
     found.verdict += fmt::format("; {}: at rest", seen);
     return;
   }
-  if (!motion.believed) {
+  if (!motion.believed || (!motion.moves && !bound)) {
     if (static_by_imu) release_velocity(initial);
-    found.verdict += fmt::format("; {}: in motion, velocity not known", seen);
+    found.verdict += fmt::format("; {}: velocity not known", seen);
     return;
   }
   if (static_by_imu) release_velocity(initial);

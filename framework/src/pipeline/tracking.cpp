@@ -47,7 +47,7 @@ void Tracking::restart(TimeNs t) {
   status_ = TrackingStatus::recovering;
   accepted_in_a_row_ = 0;
   silence_ = open_ = 0;
-  unread_ = false;
+  unread_ = 0;
   begin(t);
 }
 
@@ -107,9 +107,12 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
 }
 
 bool Tracking::drifts_unread(TimeNs length, bool unread, bool open) {
-  if (unread) unread_ = true;
-  if (status_ == TrackingStatus::ok) unread_ = unread;
-  open_ = unread_ && open ? open_ + length : 0;
+  if (unread) {
+    unread_ = kSecond;
+  } else {
+    unread_ = status_ == TrackingStatus::ok ? 0 : std::max<TimeNs>(unread_ - length, 0);
+  }
+  open_ = unread_ > 0 && open ? open_ + length : 0;
   return open_ > kOpenWhileUnread;
 }
 

@@ -174,8 +174,8 @@ void WideMotion::refine(const Window& window, const NavState& at, Guess& guess) 
     }
   }
   correct_rate(guess.imu, at, motion.e);
-  // Half of what the points say: then the velocity at the end is the mean one of the window. With all of it, what one
-  // window errs by the next would have to make good twice.
+  // Half of what the points say; the second pass finds half of it left, so a quarter in all. With all of it the
+  // velocity swings from window to window.
   if (acceleration_unread(window)) set_acceleration(guess.imu, at, 0.5 * (motion.g - known.g));
 }
 

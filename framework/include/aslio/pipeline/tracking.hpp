@@ -85,7 +85,7 @@ class Tracking {
   int accepted_in_a_row_ = 0;
   TimeNs silence_ = 0;          ///< of the refused updates in a row, without gaps in the data
   TimeNs last_end_ = kTimeMin;  ///< of the last update
-  bool unread_ = false;         ///< the IMU read nothing since the run was well
+  TimeNs unread_ = 0;           ///< for so long it counts that the IMU read nothing; not beyond all being well again
   TimeNs open_ = 0;             ///< of updates in a row that left a direction open while unread_
   bool ever_accepted_ = false, may_restart_ = false;
   std::vector<Divergence> losses_;
