@@ -317,6 +317,27 @@ constexpr double kSame = 0.03;   // overlaps that differ by less are equal
 constexpr double kBetter = 1.1;  // a fit that is better by less is as good
 constexpr double kFits = 0.35;   // of the best fit: less is none
 
+/// A rest, and the velocities to look at closely: those that overlap the most, apart from each other.
+std::vector<Vec3> candidates(Registration& registration, double period, bool calm) {
+  constexpr std::size_t most = 5;     // of them
+  constexpr std::size_t at_rest = 1;  // where a rest explains the sweeps as well
+  constexpr double unmoved = 0.85;    // of the points, that it explains
+  const double score_at_rest = registration.coarse_score(Vec3::Zero());
+  std::vector<Scored> scored;
+  for (const Vec3& v : hypotheses(registration, period)) scored.push_back({v, registration.coarse_score(v)});
+  std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<Vec3> out = {Vec3::Zero()};
+  const bool rest_is_best =
+      scored.empty() || (score_at_rest > unmoved && score_at_rest >= scored.front().score - kSame);
+  for (const Scored& s : scored) {
+    if (out.size() > (calm && rest_is_best ? at_rest : most)) break;
+    const bool apart =
+        std::all_of(out.begin(), out.end(), [&](const Vec3& v) { return (v - s.v).norm() * period > 1.2; });
+    if (apart) out.push_back(s.v);
+  }
+  return out;
+}
+
 struct Refined {
   ConstantMotion motion;
   double overlap = 0, fit = 0;
@@ -346,32 +367,14 @@ ConstantMotion choose(const std::vector<Refined>& refined) {
 // eq. INI-6.
 std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points, std::span<const ImuSample> imu,
                                              TimeNs begin, const SensorModel& sensor, bool calm) {
-  constexpr std::size_t kRefined = 5;  // hypotheses that are looked at closely
-  constexpr std::size_t kAtRest = 1;   // where a rest explains them as well
-  constexpr double kUnmoved = 0.85;    // of the points, that a rest explains
   constexpr double kRestSpeed = 0.15;  // who stands and holds the sensor may be as fast [m/s]
   Registration registration(points, imu, begin, sensor);
   if (!registration.complete()) return std::nullopt;
-  const double period = sensor.sweep_period;
-
-  const double score_at_rest = registration.coarse_score(Vec3::Zero());
-  std::vector<Scored> scored;
-  for (const Vec3& v : hypotheses(registration, period)) scored.push_back({v, registration.coarse_score(v)});
-  std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
-  std::vector<Vec3> candidates = {Vec3::Zero()};
-  const bool rest_is_best =
-      scored.empty() || (score_at_rest > kUnmoved && score_at_rest >= scored.front().score - kSame);
-  for (const Scored& s : scored) {
-    if (candidates.size() > (calm && rest_is_best ? kAtRest : kRefined)) break;
-    const bool apart = std::all_of(candidates.begin(), candidates.end(),
-                                   [&](const Vec3& v) { return (v - s.v).norm() * period > 1.2; });
-    if (apart) candidates.push_back(s.v);
-  }
 
   const ConstantMotion rest = registration.with_velocity(Vec3::Zero());
   const double overlap_at_rest = registration.overlap(rest);
   std::vector<Refined> refined;
-  for (const Vec3& v : candidates) {
+  for (const Vec3& v : candidates(registration, sensor.sweep_period, calm)) {
     Refined r;
     r.motion = registration.with_velocity(v);
     registration.refine(r.motion, 0, 1);

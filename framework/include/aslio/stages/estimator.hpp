@@ -151,8 +151,8 @@ class Estimator : public Stage {
   /// Lengths that are about the noise of points count so many times what the parameters say, those of its residual,
   /// too; > 0. Between updates. One that does nothing keeps its numbers.
   virtual void set_noise_scale(double scale) { (void)scale; }
-  /// The gyro's bias may be off by `sigma` [rad/s] per axis more than the estimator thinks: it stepped. Between updates.
-  /// One that keeps no covariance of it goes on.
+  /// The gyro's bias may be off by `sigma` [rad/s] per axis more than the estimator thinks: it stepped. Between
+  /// updates. One that keeps no covariance of it goes on.
   virtual void doubt_gyro_bias(double sigma) { (void)sigma; }
   virtual const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) = 0;
   /// Posterior state of the last update.
