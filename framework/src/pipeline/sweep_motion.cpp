@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMaxSpeed = 40.0;               // [m/s]
 constexpr std::size_t kReferencePoints = 40000;  // of the first sweep
-constexpr std::size_t kScanPoints = 8000;        // of those, where velocities are compared
+constexpr std::size_t kScanPoints = 8000;        // of a sweep, where nothing stands upright
 constexpr double kMaxUprightRange = 100.0;       // and to compare velocities by what stands there [m]
 constexpr std::size_t kMinSweepPoints = 100;     // a sweep with fewer says nothing
 

@@ -112,8 +112,7 @@ void WideMotion::observe(const Window& window, const Update& update) {
 
 bool WideMotion::doubtful(const Window& window) {
   if (window.imu_gap >= kLongGap) return true;
-  constexpr auto bad =
-      imu_fault::gyro_dead | imu_fault::clipped(false, 0) | imu_fault::clipped(false, 1) | imu_fault::clipped(false, 2);
+  constexpr auto bad = imu_fault::gyro_dead | imu_fault::gyro_clipped;
   return std::any_of(window.imu.begin(), window.imu.end(), [](const ImuSample& s) { return (s.faults & bad) != 0; });
 }
 
@@ -185,9 +184,9 @@ bool WideMotion::mend(Window& window, const NavState& at, const Vec3& rate) {
   load_reference(at);
   if (reference_.size() < kMinPoints || load_points(window, at, window.imu).size() < kMinPoints) return false;
   const std::vector<ImuSample> readings = with_knots(window.imu);
-  Guess best{readings, {}, 0};
+  Guess best{readings, 0};
   const double before = best.fit = fit(window, at, best);
-  Guess steady{even(readings, at, rate), {}, 0};
+  Guess steady{even(readings, at, rate), 0};
   steady.fit = fit(window, at, steady);
   if (steady.fit > best.fit) best = steady;
   for (int pass = 0; pass < 2; ++pass) refine(window, at, best);  // the second one where the first is linear

@@ -35,10 +35,9 @@ class WideMotion {
     TimeNs t;
     Vec3 p_W;
   };
-  /// What is known before the points are asked, and the readings that it comes from.
+  /// Readings, and how well the points agree when they are placed by them.
   struct Guess {
     std::vector<ImuSample> imu;
-    ConstantMotion motion;
     double fit = 0;
   };
 

@@ -49,7 +49,7 @@ struct Summary {
   std::array<std::uint64_t, 6> updates_by_status{};      ///< by UpdateStatus
   std::array<std::uint64_t, 6> refused_by_status{};      ///< of them, those refused: after the map had its first points
   std::uint64_t updates_bridged = 0;                     ///< points stood in for IMU readings
-  std::uint64_t gyro_bias_steps = 0;                     ///< that were found and learnt anew
+  std::uint64_t gyro_bias_steps = 0;                     ///< that were found
   std::uint64_t updates_without_view = 0;                ///< hardly any points came, which is no refusal
   std::uint64_t accepted = 0;                            ///< updates that corrected the state
   std::uint64_t matchable_points = 0;                    ///< points that the samplers left to match, of all updates
