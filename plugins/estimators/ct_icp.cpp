@@ -213,7 +213,7 @@ void CtIcp::accept() {
   known.diagonal().segment<3>(0).array() += unit * params_.orientation;
   known.diagonal().segment<3>(3).array() += unit * params_.location;
   const Mat6 information = end_information(known);
-  result_.spectrum = pose_spectrum(information);
+  set_spectrum(result_, information);
   result_.left_open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   if (result_.status == UpdateStatus::ok && result_.left_open) result_.status = UpdateStatus::degenerate;
   if (uses_imu()) {

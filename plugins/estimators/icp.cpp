@@ -158,7 +158,7 @@ void Icp::accept(const Pose& end, const PoseInformation& fresh) {
   constexpr double least_variance = 1e-6;  // [m^2]
   const double variance = std::max(least_variance, fresh.squared_sum / static_cast<double>(fresh.accepted));
   const Mat6 fresh_information = fresh.A * (threshold() * threshold() / variance);
-  result_.spectrum = pose_spectrum(fresh_information);
+  set_spectrum(result_, fresh_information);
   result_.left_open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   if (result_.status == UpdateStatus::ok && result_.left_open) result_.status = UpdateStatus::degenerate;
   learn_threshold(state_.pose(), end);

@@ -388,7 +388,7 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   const StateMatrix P = posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
-  result_.spectrum = pose_spectrum(last.fresh.A);
+  set_spectrum(result_, last.fresh.A);
   left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   result_.left_open = left_open_;
   if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;

@@ -5,15 +5,14 @@
 
 namespace aslio::plugins {
 
-std::array<double, 6> pose_spectrum(const Mat6& A) {
+void set_spectrum(Update& update, const Mat6& A) {
   constexpr double lever_arm = 5.0;  // [m]
   Vec6 scale;
   scale << Vec3::Constant(1.0 / lever_arm), Vec3::Ones();
   const Mat6 scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
-  std::array<double, 6> out{};
-  for (int i = 0; i < 6; ++i) out[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
-  return out;
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled);
+  for (int i = 0; i < 6; ++i) update.spectrum[static_cast<std::size_t>(i)] = solver.eigenvalues()[i];
+  update.weakest = solver.eigenvectors().col(0);
 }
 
 double windows_per(double time, const WindowPlan& plan) {

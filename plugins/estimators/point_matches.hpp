@@ -13,9 +13,9 @@ namespace aslio::plugins {
 /// Points per chunk of a reduction over matches. It decides how sums are rounded.
 inline constexpr std::size_t kGrain = 512;
 
-/// Eigenvalues of the pose information A (theta, p), ascending, a rotation counted at a lever arm of 5 m, so that all
-/// are 1/m^2. eq. IESKF-7.
-std::array<double, 6> pose_spectrum(const Mat6& A);
+/// Fills `spectrum` and `weakest` of an update: eigenvalues of the pose information A (theta, p), ascending, a rotation
+/// counted at a lever arm of 5 m, so that all are 1/m^2, and the eigenvector of the least. eq. IESKF-7.
+void set_spectrum(Update& update, const Mat6& A);
 
 /// How many windows as long as this one `time` [s] holds, at least 1. eqs. IESKF-7, RES-5.
 double windows_per(double time, const WindowPlan& plan);

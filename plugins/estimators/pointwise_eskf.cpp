@@ -345,7 +345,7 @@ void PointwiseEskf::accept(const PointwiseState& begin) {
   }
   result_.residual_rms = std::sqrt(squares / result_.fresh_matches);
   result_.nis = nis_sum_ / static_cast<double>(nis_rows_);
-  result_.spectrum = pose_spectrum(information_);
+  set_spectrum(result_, information_);
   result_.left_open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   result_.status = result_.left_open ? UpdateStatus::degenerate : UpdateStatus::ok;
   if (velocity_.active()) find_velocity_alone(begin);

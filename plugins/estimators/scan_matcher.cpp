@@ -189,7 +189,7 @@ void ScanMatcher::accept() {
   const Pose& end = last_->end;
   Descent whole = *last_;
   whole.held.setIdentity();
-  result_.spectrum = pose_spectrum(measured(whole));
+  set_spectrum(result_, measured(whole));
   // A direction that was left as predicted has not been measured (eq. SWP-3), unless the last sweep has held it.
   Mat6 information = measured(*last_);
   if (before_) {

@@ -187,7 +187,7 @@ void Smoother::accept() {
   P_ = slices_.back()->P;
   Mat6 into = Mat6::Identity();
   into.topLeftCorner<3, 3>() = state_.R;
-  result_.spectrum = pose_spectrum(into.transpose() * fresh.A0 * into);
+  set_spectrum(result_, into.transpose() * fresh.A0 * into);
   left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
   result_.left_open = left_open_;
   if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;

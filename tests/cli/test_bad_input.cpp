@@ -112,7 +112,7 @@ TEST_CASE("a LiDAR that falls silent before the IMU does is no run that covers i
   const Bench bench(Recording{.blind_from = 0.8, .blind_until = 9});
   const Ended soon = bench.run("soon", {});  // 1.2 s: what a recorder leaves at its end
   INFO(soon.err);
-  CHECK(soon.code == 0);
+  CHECK(soon.code == 4);
   const Json told = summary(bench / "soon");
   CHECK(told.at("status") == "degraded");
   CHECK_THAT(told.at("reason").get<std::string>(), Contains("s without points"));

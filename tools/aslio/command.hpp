@@ -7,10 +7,11 @@
 namespace aslio::cli {
 
 enum ExitCode : int {
-  kSuccess = 0,     ///< ok or degraded
+  kSuccess = 0,     ///< of a run: ok
   kRunFailed = 1,   ///< failed or diverged
   kWrongUsage = 2,  ///< arguments or configuration
   kBadData = 3,     ///< bad or truncated data, or output that could not be written
+  kDegraded = 4,    ///< a run has a result, and something speaks against it
   kInterrupted = 130
 };
 

@@ -120,7 +120,7 @@ int run_command_line(int argc, char** argv) {
       "Example:\n"
       "  aslio run configs/pipelines/as_lio.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
       "--output out/corridor\n\n"
-      "Exit codes: 0 ok or degraded, 1 failed or diverged, 2 wrong usage or configuration, 3 bad or truncated data, "
+      "Exit codes: 0 ok, 1 failed or diverged, 2 wrong usage or configuration, 3 bad or truncated data, 4 degraded, "
       "130 interrupted.\n"
       "`aslio COMMAND --help` tells the options of a command.");
   const std::vector<std::string> command_line(argv, argv + argc);

@@ -33,8 +33,9 @@ int exit_code(const experiment::RunResult& result) {
   using pipeline::RunStatus;
   switch (result.summary.status) {
     case RunStatus::ok:
-    case RunStatus::degraded:
       return result.summary.evaluation_error.empty() ? kSuccess : kBadData;
+    case RunStatus::degraded:
+      return result.summary.evaluation_error.empty() ? kDegraded : kBadData;
     case RunStatus::truncated:
       return kBadData;
     case RunStatus::interrupted:
@@ -62,6 +63,9 @@ std::string report(const experiment::Summary& s, const std::string& output) {
                  100 * s.coverage);
   if (const std::string weak = experiment::weak_updates(s); !weak.empty()) {
     fmt::format_to(out, "weak         {}\n", weak);
+  }
+  if (const std::string open = pipeline::unbound_text(s.monitor); !open.empty()) {
+    fmt::format_to(out, "not bound    {}\n", open);
   }
   if (s.rate_hz) {
     fmt::format_to(out, "rate         {:.1f} / {:.1f} / {:.1f} Hz (min / median / max)\n", s.rate_hz->min,

@@ -226,7 +226,10 @@ bool blames_data(const Summary& summary, const Loop& loop) {
 }
 
 void gather(Summary& summary, const pipeline::Odometry& odometry, const io::MeasurementSource& source) {
-  if (odometry.initialisation()) summary.initialisation = odometry.initialisation()->verdict;
+  if (odometry.initialisation()) {
+    summary.initialisation = odometry.initialisation()->verdict;
+    summary.start_doubt = odometry.initialisation()->doubt;
+  }
   summary.notes = source.notes().verdicts;
   for (const std::string& warning : source.notes().warnings) summary.notes.push_back("warning: " + warning);
   for (const std::string& warning : odometry.stream().warnings()) summary.notes.push_back("warning: " + warning);

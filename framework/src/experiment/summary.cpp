@@ -56,6 +56,16 @@ std::string none_accepted(const Summary& s) {
   return fmt::format("none of {} updates was accepted: {}", s.updates, why);
 }
 
+/// An error that no table may show as a good run, whatever the run itself says.
+std::string off_reference(const Summary& s) {
+  constexpr double metres = 1.0, share = 0.01;
+  if (!s.evaluation) return "";
+  const double ate = s.evaluation->ate.translation.rmse;
+  if (ate <= metres || ate <= share * s.evaluation->reference_path) return "";
+  return fmt::format("off the reference by {:.2f} m (ATE) over {:.0f} m of path: more than {:g} m and {:.0f} %", ate,
+                     s.evaluation->reference_path, metres, 100 * share);
+}
+
 /// What makes a run `degraded`; empty: nothing.
 std::string shortcomings(const Summary& s, const std::string& odd) {
   std::string text;
@@ -66,6 +76,8 @@ std::string shortcomings(const Summary& s, const std::string& odd) {
                        100 * kMaxWeakShare),
            "; ");
   }
+  append(text, s.start_doubt, "; ");
+  append(text, off_reference(s), "; ");
   append(text, s.monitor.implausible, "; ");
   append(text, odd, "; ");
   return text;

@@ -60,10 +60,12 @@ void release_velocity(InitialState& initial) {
 
 bool is_dead(const ImuSample& s) { return (s.faults & (imu_fault::gyro_dead | imu_fault::acc_dead)) != 0; }
 
-/// An IMU that has read nothing for as long as initialisation takes.
+/// An IMU that has read nothing for far longer than one that starts up, or at all.
 void refuse_dead_imu(const stream::MeasurementStream& stream, double time) {
+  constexpr double starts_up = 2.0;  // [s]
   const auto all = stream.imu(kTimeMin, kTimeMax);
-  if (all.size() < 2 || all.back().t - all.front().t < to_ns(time) || !std::all_of(all.begin(), all.end(), is_dead))
+  const double enough = stream.finished() ? time : time + starts_up;
+  if (all.size() < 2 || all.back().t - all.front().t < to_ns(enough) || !std::all_of(all.begin(), all.end(), is_dead))
     return;
   throw DataError(
       fmt::format("initialisation: the IMU is dead: all {} samples of its first {:.2f} s are zero, gravity included; "
@@ -181,11 +183,32 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
   return out;
 }
 
+namespace {
+
+std::string what_sweeps_say(const SweepMotion& motion) {
+  return fmt::format("first sweeps: {:.2f} +- {:.2f} m/s, agreement {:.2f}, at rest {:.2f}", motion.velocity.norm(),
+                     motion.sigma_velocity, motion.fit, motion.fit_at_rest);
+}
+
+}  // namespace
+
+void doubt_declared_rest(Initialisation& found, const SweepMotion& motion) {
+  found.verdict += fmt::format("; {}", what_sweeps_say(motion));
+  if (!motion.moves || !motion.believed) return;
+  found.doubt =
+      fmt::format("initialisation.mode is 'static', but the first sweeps show a motion of {:.1f} m/s: take 'auto'",
+                  motion.velocity.norm());
+}
+
 void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const Mat3* heading) {
   InitialState& initial = found.initial;
   const bool static_by_imu = initial.mode == InitialMode::static_start;
-  const std::string seen = fmt::format("first sweeps: {:.2f} +- {:.2f} m/s, agreement {:.2f}, at rest {:.2f}",
-                                       motion.velocity.norm(), motion.sigma_velocity, motion.fit, motion.fit_at_rest);
+  const std::string seen = what_sweeps_say(motion);
+  if (motion.ambiguous) {
+    found.doubt = fmt::format(
+        "the first velocity is not certain: {:.1f} m/s was taken, another explains the first sweeps nearly as well",
+        motion.velocity.norm());
+  }
   const bool without_imu = motion.gravity.squaredNorm() == 0;
   // Sweeps that bind no velocity, of a bare road say, prove no rest.
   constexpr double proves = 0.7;  // [m/s]; rests in rooms and streets have up to 0.35
@@ -197,6 +220,8 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   if (!motion.believed || (!motion.moves && !bound)) {
     if (static_by_imu) release_velocity(initial);
     found.verdict += fmt::format("; {}: velocity not known", seen);
+    found.doubt = fmt::format("the first velocity is not known: the first sweeps {}",
+                              bound ? "do not agree on one" : "do not bind it");
     return;
   }
   if (static_by_imu) release_velocity(initial);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -10,10 +9,9 @@ namespace aslio::pipeline {
 
 namespace {
 
-constexpr double kNow = 0.15;      ///< time over which something is "now" [s]
-constexpr double kUsual = 3.0;     ///< and over which it is usual [s]
-constexpr double kKnown = 1.0;     ///< nothing is usual before [s]
-constexpr double kLeverArm = 5.0;  ///< [m] at which an angle counts as a length, as in the spectrum
+constexpr double kNow = 0.15;   ///< time over which something is "now" [s]
+constexpr double kUsual = 3.0;  ///< and over which it is usual [s]
+constexpr double kKnown = 1.0;  ///< nothing is usual before [s]
 
 // Thresholds, chosen on seeds from 100 up: docs/results/monitor.md.
 constexpr double kViewJump = 3.3, kViewStir = 2.2;  ///< factors: alone, and with a misfit
@@ -23,6 +21,9 @@ constexpr double kMisfitFor = 0.12;                     ///< [s]
 constexpr double kTear = 30.0;                          ///< velocity that the points take or give [m/s^2]
 constexpr double kMismatch = 0.15, kTurnEnough = 0.05;  ///< of the turn; of a turn of that many (rad/s)^2
 constexpr double kWrongFor = 0.2;                       ///< [s]
+// Shares of the view: least that counts, least that is usual, factors for an alarm and to be stirred.
+constexpr double kUnexplained = 0.1, kUnexplainedUsual = 0.025;
+constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
 constexpr double kScale = 0.03, kDelay = 0.015, kGyroBias = 0.1, kAccBias = 1.5;
 
 /// Turn that the gyro measured over the window, in I [rad]. Its bias counts for nothing beside what is looked for.
@@ -32,6 +33,13 @@ Vec3 measured_turn(std::span<const ImuSample> imu) {
     turn += 0.5 * to_seconds(imu[i].t - imu[i - 1].t) * (imu[i].gyro + imu[i - 1].gyro);
   }
   return turn;
+}
+
+/// Whether something stands in for the gyro.
+bool unread(const Window& window) {
+  constexpr auto bad = imu_fault::gyro_dead | imu_fault::gyro_clipped;
+  return window.imu_gap > 0 ||
+         std::any_of(window.imu.begin(), window.imu.end(), [](const ImuSample& s) { return (s.faults & bad) != 0; });
 }
 
 double length(const Window& window) {
@@ -87,6 +95,7 @@ double Monitor::Pull::rise(const Vec3& x, double dt, bool known) {
 void Monitor::begin(bool uses_imu) {
   uses_imu_ = uses_imu;
   view_.forget();
+  check_.forget();
   signals_ = {};
   alarm_.reset();
   age_ = misfit_for_ = rout_for_ = implausible_for_ = torn_for_ = 0;
@@ -94,7 +103,7 @@ void Monitor::begin(bool uses_imu) {
   velocity_ = turn_ = {};
   contradicted_ = {};
   turned_ = {};
-  view_count_ = 0;
+  view_count_ = unexplained_count_ = 0;
   since_jump_ = 1e9;
   doubted_ = false;
 }
@@ -103,7 +112,7 @@ const MonitorSignals& Monitor::observe(const Window& window, const Update& updat
                                        bool bridged) {
   signals_ = {};
   alarm_.reset();
-  measure_view(window, update);
+  measure_view(window, update, bridged);
   judge_gap(window, update);
   if (!update.accepted || update.restart_map) return signals_;
   const double dt = length(window);
@@ -140,9 +149,14 @@ void Monitor::measure_fit(const Update& update, const OverlapScore& overlap, dou
 }
 
 // eq. MON-2.
-void Monitor::measure_view(const Window& window, const Update& update) {
+void Monitor::measure_view(const Window& window, const Update& update, bool bridged) {
   since_jump_ += length(window);
   if (update.trajectory == nullptr || !update.state.R.allFinite()) return;
+  if (bridged || unread(window)) {
+    check_.forget();  // within such a window the poses are a guess
+  } else if (const auto share = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
+    judge_unexplained(*share);
+  }
   const auto change = view_.add(window.fresh, *update.trajectory, window.plan.end);
   if (!change) return;
   signals_.view_change = *change;
@@ -160,6 +174,22 @@ void Monitor::measure_view(const Window& window, const Update& update) {
     }
   }
   views_[static_cast<std::size_t>(view_count_++ % 4)] = *change;
+}
+
+// eq. MON-6.
+void Monitor::judge_unexplained(double share) {
+  signals_.unexplained = share;
+  if (unexplained_count_ >= 4) {
+    const double usual = std::max(*std::max_element(unexplained_.begin(), unexplained_.end()), kUnexplainedUsual);
+    if (share > kUnexplained && share > kUnexplainedStir * usual) since_jump_ = 0;
+    if (share > kUnexplained && share > kUnexplainedJump * usual) {
+      raise(fmt::format(
+          "{:.0f} % of what was seen a moment ago is not where the motion of the run puts it, usually {:.0f} "
+          "%: a piece of the data is missing, or the sensor was moved",
+          100 * share, 100 * usual));
+    }
+  }
+  unexplained_[static_cast<std::size_t>(unexplained_count_++ % 4)] = share;
 }
 
 // eq. MON-3.
@@ -260,19 +290,16 @@ void Monitor::judge_learnt(const Update& update, double dt) {
   if (implausible_for_ > kWrongFor) raise(certain);
 }
 
-/// The weakest direction by P, while the points leave one open.
+/// The direction that the points leave open.
 void Monitor::note_unbound(const Update& update, double dt) {
-  if (!update.leaves_open() || !update.P.allFinite()) return;
-  const Mat3 shift = update.state.R.transpose() * update.P.block<3, 3>(block::p, block::p) * update.state.R;
-  const Mat3 turn = kLeverArm * kLeverArm * update.P.block<3, 3>(block::theta, block::theta);
-  const Eigen::SelfAdjointEigenSolver<Mat3> shifts(shift), turns(turn);
-  if (shifts.eigenvalues()[2] >= turns.eigenvalues()[2]) {
-    report_.unbound[axis_of(shifts.eigenvectors().col(2))] += dt;
+  if (!update.leaves_open() || !update.weakest.allFinite() || update.weakest.isZero()) return;
+  const Vec3 turn = update.weakest.head<3>(), shift = update.state.R.transpose() * update.weakest.tail<3>();
+  if (shift.squaredNorm() >= turn.squaredNorm()) {
+    report_.unbound[axis_of(shift)] += dt;
     return;
   }
-  const Vec3 axis = turns.eigenvectors().col(2);
-  const bool upright = std::abs((update.state.R * axis).z()) > 0.8;
-  report_.unbound[upright ? 5 : 3 + axis_of(axis)] += dt;
+  const bool upright = std::abs((update.state.R * turn.normalized()).z()) > 0.8;
+  report_.unbound[upright ? 5 : 3 + axis_of(turn)] += dt;
 }
 
 void Monitor::raise(std::string reason) {

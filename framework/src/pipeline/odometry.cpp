@@ -50,7 +50,10 @@ class Odometry::Loop {
         const CpuTimer timer(deciding_);
         plan = stages_.window->next(stream_, feedback_, *probe_);
       }
-      if (!plan) break;  // what it took to see that more is needed counts for the window that comes of it
+      if (!plan) {  // what it took to see that more is needed counts for the window that comes of it
+        forget_unused_imu();
+        break;
+      }
       UpdateRecord record;
       record.times.window = std::exchange(deciding_, 0.0);
       note_gaps(*plan);
@@ -166,9 +169,8 @@ class Odometry::Loop {
 
   /// Lets the first sweeps confirm or correct a start (eq. INI-6). False while they have not arrived.
   bool look_at_sweeps(Initialisation& found, const Mat3* heading) {
-    if (!config_.initialisation.register_sweeps || config_.initialisation.mode == InitialisationMode::static_start) {
-      return true;
-    }
+    if (!config_.initialisation.register_sweeps) return true;
+    const bool declared_rest = config_.initialisation.mode == InitialisationMode::static_start;
     constexpr TimeNs patience = 2 * kSecond;  // an IMU that falls silent is not waited for
     const bool inertial = stages_.estimator->uses_imu();
     const TimeNs begin = found.initial.state.t, end = begin + sweep_motion_span(sensor_);
@@ -176,9 +178,9 @@ class Odometry::Loop {
     if (!arrived && !stream_.finished() && stream_.last_point() < end + patience) return false;
     std::vector<ImuSample> imu;
     if (inertial) stream_.imu_covering(begin, end, imu);
-    const bool calm = found.initial.mode == InitialMode::static_start;
-    const auto motion = find_sweep_motion(stream_.points(begin, end), imu, begin, sensor_, calm);
-    if (motion) apply_sweep_motion(found, *motion, heading);
+    const auto motion = find_sweep_motion(stream_.points(begin, end), imu, begin, sensor_);
+    if (motion && declared_rest && segment_ == 0) doubt_declared_rest(found, *motion);
+    if (motion && !declared_rest) apply_sweep_motion(found, *motion, heading);
     return true;
   }
 
@@ -188,6 +190,15 @@ class Odometry::Loop {
     const TimeNs imu_kept = kMostKept + to_ns(config_.initialisation.time);
     const bool no_points_yet = !stream_.first_point() && stream_.last_imu() > kTimeMin + imu_kept;
     if (no_points_yet && stream_.imu_settled()) stream_.release(stream_.last_imu() - imu_kept);
+  }
+
+  /// Nothing is reckoned for longer than a run that is lost reckons; what a silent LiDAR leaves would pile up.
+  void forget_unused_imu() {
+    const TimeNs kept = std::max(NewStart::kLongestReckoning, to_ns(config_.limits.max_gap)) + kMostKept +
+                        to_ns(config_.initialisation.time);
+    if (stream_.last_imu() > feedback_.t && stream_.last_imu() - feedback_.t > kept && stream_.imu_settled()) {
+      stream_.release(stream_.last_imu() - kept);
+    }
   }
 
   /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.

@@ -22,6 +22,8 @@ constexpr std::size_t kReferencePoints = 40000;  // of the first sweep
 constexpr std::size_t kScanPoints = 8000;        // of a sweep, where nothing stands upright
 constexpr double kMaxUprightRange = 100.0;       // and to compare velocities by what stands there [m]
 constexpr std::size_t kMinSweepPoints = 100;     // a sweep with fewer says nothing
+constexpr double kSigmaGyro = 0.02;              // of a rate that is not corrected for its bias [rad/s]
+constexpr double kMostOfGyro = 3 * kSigmaGyro;   // registrations that find more are wrong
 
 class Registration {
  public:
@@ -30,7 +32,7 @@ class Registration {
       : inertial_(!imu.empty()) {
     know_gravity(imu);
     InertialPath path(imu, begin);
-    const TimeNs period = to_ns(sensor.sweep_period);
+    const TimeNs period = to_ns(sweep_motion_step(sensor));
     std::size_t next = 0;
     for (int k = 0; k < kSweepsOfMotion; ++k) {
       const std::size_t first = next;
@@ -38,10 +40,10 @@ class Registration {
       const auto of = static_cast<std::size_t>(k);
       std::vector<SweepPoint> all = placed(points.subspan(first, next - first), path, sensor);
       std::vector<SweepPoint> standing = upright(all);
-      if (k == 0) overlap_edge_ = overlap_edge(standing);
+      if (k == 0) overlap_edge_ = spread_edge(standing);
       standing_[of] = spread(standing, kQueryPoints, 1.0 / overlap_edge_);
       std::erase_if(all, [](const SweepPoint& p) { return p.q.norm() > kMaxRange; });
-      sweeps_[of] = spread(all, k == 0 ? kReferencePoints : kQueryPoints, k == 0 ? 6.0 : 1.0);
+      sweeps_[of] = k == 0 ? spread(all, kReferencePoints, 6.0) : spread(all, kQueryPoints, 1.0 / spread_edge(all));
       if (standing_[of].size() < kMinSweepPoints) standing_[of] = some(sweeps_[of], kScanPoints);
     }
     if (!complete()) return;
@@ -182,8 +184,8 @@ class Registration {
     return some(apart, most);
   }
 
-  /// Edge of the cells in which velocities are compared: 1 m, less where that leaves too few.
-  double overlap_edge(const std::vector<SweepPoint>& sweep) const {
+  /// Edge of cells of which one point each is kept: 1 m, less where that leaves too few, as in a room.
+  static double spread_edge(const std::vector<SweepPoint>& sweep) {
     constexpr std::size_t enough = 3 * kMinSweepPoints / 2;
     constexpr double finest = 0.2;  // [m]
     double edge = 1.0;
@@ -234,8 +236,8 @@ class Registration {
   }
 
   MotionNormal linearise(const ConstantMotion& motion, std::size_t last) {
-    // Known beforehand: the direction of gravity to 10 deg, the rate of the gyro to 0.02 rad/s.
-    const MotionSigma sigma{100.0, inertial_ ? 1.7 : 3.0, inertial_ ? 0.02 : 1.0};
+    // Known beforehand: the direction of gravity to 10 deg, the rate of the gyro.
+    const MotionSigma sigma{100.0, inertial_ ? 1.7 : 3.0, inertial_ ? kSigmaGyro : 1.0};
     MotionNormal sum;
     sum.add_prior(motion, prior_, sigma);
     for (std::size_t k = 1; k <= last; ++k) {
@@ -316,23 +318,21 @@ struct Scored {
 constexpr double kSame = 0.03;   // overlaps that differ by less are equal
 constexpr double kBetter = 1.1;  // a fit that is better by less is as good
 constexpr double kFits = 0.35;   // of the best fit: less is none
+// A motion may be the right one although another overlaps by so much more and fits so many times better: guard rails.
+constexpr double kAlsoOverlaps = 0.16, kAlsoFits = 1.35;
+constexpr double kApart = 1.2;  // displacements per sweep that differ by more are two [m]
 
 /// A rest, and the velocities to look at closely: those that overlap the most, apart from each other.
-std::vector<Vec3> candidates(Registration& registration, double period, bool calm) {
-  constexpr std::size_t most = 5;     // of them
-  constexpr std::size_t at_rest = 1;  // where a rest explains the sweeps as well
-  constexpr double unmoved = 0.85;    // of the points, that it explains
-  const double score_at_rest = registration.coarse_score(Vec3::Zero());
+std::vector<Vec3> candidates(Registration& registration, double period) {
+  constexpr std::size_t most = 5;  // of them
   std::vector<Scored> scored;
   for (const Vec3& v : hypotheses(registration, period)) scored.push_back({v, registration.coarse_score(v)});
   std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   std::vector<Vec3> out = {Vec3::Zero()};
-  const bool rest_is_best =
-      scored.empty() || (score_at_rest > unmoved && score_at_rest >= scored.front().score - kSame);
   for (const Scored& s : scored) {
-    if (out.size() > (calm && rest_is_best ? at_rest : most)) break;
+    if (out.size() > most) break;
     const bool apart =
-        std::all_of(out.begin(), out.end(), [&](const Vec3& v) { return (v - s.v).norm() * period > 1.2; });
+        std::all_of(out.begin(), out.end(), [&](const Vec3& v) { return (v - s.v).norm() * period > kApart; });
     if (apart) out.push_back(s.v);
   }
   return out;
@@ -343,8 +343,13 @@ struct Refined {
   double overlap = 0, fit = 0;
 };
 
+struct Choice {
+  ConstantMotion motion;
+  bool alone = true;  ///< no other motion, apart from it, explains the sweeps as well
+};
+
 /// Of those that fit at all and overlap the most, the one that fits best; of two that fit as well, the slower one.
-ConstantMotion choose(const std::vector<Refined>& refined) {
+Choice choose(const std::vector<Refined>& refined, double period) {
   double most = 0, fittest = 0;
   for (const Refined& r : refined) fittest = std::max(fittest, r.fit);
   for (const Refined& r : refined) {
@@ -359,14 +364,19 @@ ConstantMotion choose(const std::vector<Refined>& refined) {
       best_fit = std::max(r.fit, best_fit);
     }
   }
-  return best;
+  const bool alone = std::none_of(refined.begin(), refined.end(), [&](const Refined& r) {
+    const bool fits = r.fit > kFits * fittest && r.overlap >= most - kAlsoOverlaps && kAlsoFits * r.fit > best_fit;
+    return fits && (r.motion.v - best.v).norm() * period > kApart;
+  });
+  return {best, alone};
 }
 
 }  // namespace
 
 // eq. INI-6.
 std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points, std::span<const ImuSample> imu,
-                                             TimeNs begin, const SensorModel& sensor, bool calm) {
+                                             TimeNs begin, const SensorModel& sensor) {
+  const double step = sweep_motion_step(sensor);
   constexpr double kRestSpeed = 0.15;  // who stands and holds the sensor may be as fast [m/s]
   Registration registration(points, imu, begin, sensor);
   if (!registration.complete()) return std::nullopt;
@@ -374,7 +384,7 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   const ConstantMotion rest = registration.with_velocity(Vec3::Zero());
   const double overlap_at_rest = registration.overlap(rest);
   std::vector<Refined> refined;
-  for (const Vec3& v : candidates(registration, sensor.sweep_period, calm)) {
+  for (const Vec3& v : candidates(registration, step)) {
     Refined r;
     r.motion = registration.with_velocity(v);
     registration.refine(r.motion, 0, 1);
@@ -382,7 +392,7 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
     r.fit = registration.fit(r.motion, 2, true);
     refined.push_back(r);
   }
-  ConstantMotion best = choose(refined);
+  auto [best, alone] = choose(refined, step);
   const bool overlaps_more = registration.overlap(best) > overlap_at_rest + kSame;
   registration.refine(best, kLevels.size(), 2);
 
@@ -392,7 +402,7 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   out.fit_at_rest = registration.fit(rest, check, false);
   const bool better =
       overlaps_more || registration.fit(best, check, true) > kBetter * registration.fit(rest, check, true);
-  const bool confirmed = out.fit > 0.6 * registration.fit(best, 1, false);
+  const bool fits = out.fit > 0.6 * registration.fit(best, 1, false);
 
   registration.add_coarse_level();
   registration.refine(best, kLevels.size(), check);
@@ -408,7 +418,9 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   out.sigma_velocity = worst(0);
   out.sigma_tilt = worst(3) / kStandardGravity;
   out.moves = better && best.v.norm() > std::max(kRestSpeed, out.sigma_velocity);
-  out.believed = confirmed && out.sigma_velocity < 1.0;
+  out.ambiguous = !alone;
+  const bool gyro_agrees = !registration.inertial() || best.e.norm() < kMostOfGyro;
+  out.believed = fits && gyro_agrees && out.sigma_velocity < 1.0;
   return out;
 }
 

@@ -3,25 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "octahedral.hpp"
+
 namespace aslio::pipeline {
 
-namespace {
-
-/// Position in the octahedral map (as PackedDirection), of `side` cells per axis.
-std::size_t octahedral_cell(const Eigen::Vector3f& d, float sum, int side) {
-  float a = d.x() / sum, b = d.y() / sum;
-  if (d.z() < 0) {
-    const float x = a;
-    a = std::copysign(1.0F - std::abs(b), a);
-    b = std::copysign(1.0F - std::abs(x), b);
-  }
-  const auto at = [side](float v) {
-    return std::clamp(static_cast<int>(0.5F * (v + 1.0F) * static_cast<float>(side)), 0, side - 1);
-  };
-  return static_cast<std::size_t>(at(a) * side + at(b));
-}
-
-}  // namespace
+ViewChange::ViewChange(const SensorModel& sensor)
+    : sensor_(sensor), slot_(std::max(kShortestSlot, to_ns(sensor.sweep_period))), blind_(slot_ * 5 / 2) {}
 
 void ViewChange::forget() {
   now_.fill({});
@@ -31,7 +18,7 @@ void ViewChange::forget() {
 
 std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
   if (points.empty()) return std::nullopt;
-  if (last_point_ > kTimeMin && points.front().t - last_point_ > kBlind) forget();
+  if (last_point_ > kTimeMin && points.front().t - last_point_ > blind_) forget();
   last_point_ = points.back().t;
   const std::size_t stride = points.size() / kMostPoints + 1;
   TimeNs posed = kTimeMin;
@@ -53,7 +40,7 @@ std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const 
     ++cell.n;
   }
   if (slot_begin_ == kTimeMin) slot_begin_ = points.front().t;
-  if (t - slot_begin_ < kSlot) return std::nullopt;
+  if (t - slot_begin_ < slot_ - kSlack) return std::nullopt;
   const auto change = compare();
   // What a blind slot did not see stays to be compared with.
   const bool seen = std::any_of(now_.begin(), now_.end(), [](const Cell& c) { return c.n > 0; });

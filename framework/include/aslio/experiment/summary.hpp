@@ -42,6 +42,7 @@ struct Summary {
   std::vector<pipeline::Divergence> losses;  ///< those of the odometry itself, in the order of time
   pipeline::MonitorReport monitor;           ///< alarms, what is implausible, which direction was not bound
   std::string initialisation;                ///< the verdict
+  std::string start_doubt;                   ///< why the first velocity may be wrong; empty: nothing speaks against it
   std::vector<std::string> notes;            ///< verdicts and warnings of the reader
   double coverage = 0;                       ///< share of the data's duration inside fresh intervals that counted
   stream::StreamCounters counters;

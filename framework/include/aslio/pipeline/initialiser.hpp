@@ -26,6 +26,8 @@ struct InitialisationParams {
 struct Initialisation {
   InitialState initial;
   std::string verdict;  ///< "static: |mean rate| 0.003 rad/s, acc std 0.04 m/s^2 over 21 samples"
+  /// Why the first velocity may be wrong, for the status of the run; empty: nothing speaks against it.
+  std::string doubt;
 };
 
 /// How much later the first window begins for an order seed [ns], in [0, 0.1 s): 0 for 0, and spread evenly over any
@@ -39,8 +41,13 @@ std::optional<Initialisation> initialise(const stream::MeasurementStream& stream
                                          const SensorModel& sensor, TimeNs offset = 0);
 
 /// What the first sweeps make of a start (eq. INI-6): a rest that they contradict is none, and a velocity that they
-/// bind is known. `heading`: R_W_I whose heading is kept; without it the yaw is zero. Adds to the verdict.
+/// bind is known; otherwise it says what is doubted. `heading`: R_W_I whose heading is kept; without it the yaw is
+/// zero. Adds to the verdict.
 void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const Mat3* heading = nullptr);
+
+/// What the first sweeps say of a rest that the user has declared: it stays one, and where they show a motion the run
+/// is doubted. Adds to the verdict.
+void doubt_declared_rest(Initialisation& found, const SweepMotion& motion);
 
 /// The initial state for an estimator without IMU: `offset` after the first point, in the origin of W, the axes of W
 /// those of I.

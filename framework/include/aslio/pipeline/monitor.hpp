@@ -7,10 +7,11 @@
 #include <type_traits>
 
 #include "aslio/pipeline/view_change.hpp"
+#include "aslio/pipeline/view_check.hpp"
 
 namespace aslio::pipeline {
 
-/// What the monitor sees at one update (docs/equations.md MON-1..MON-4). Rises are logarithms of a mean over the last
+/// What the monitor sees at one update (docs/equations.md MON-1..MON-6). Rises are logarithms of a mean over the last
 /// moments to the run's own level of the last seconds: 0.7 is a factor of two. Nothing of the first second: 0.
 struct MonitorSignals {
   double nis = 0;            ///< Update::nis; 0: none
@@ -26,6 +27,7 @@ struct MonitorSignals {
   double gyro_mismatch = 0;                           ///< share of the measured turn that the points contradict
   double view_change = 0;  ///< mean |ln range ratio| of the last tenth of a second to the one before
   double view_jump = 0;    ///< that over the largest of the four before, a factor
+  double unexplained = 0;  ///< share of what was seen that is not where the run's own motion puts it (MON-6)
   bool alarm = false;
 };
 
@@ -44,7 +46,7 @@ std::string unbound_text(const MonitorReport& report);
 /// but for the text of an alarm. Not thread-safe.
 class Monitor {
  public:
-  explicit Monitor(const SensorModel& sensor) : view_(sensor) {}
+  explicit Monitor(const SensorModel& sensor) : view_(sensor), check_(sensor) {}
 
   /// `uses_imu`: the prior is a prediction by the IMU. Forgets all levels, not the report.
   void begin(bool uses_imu);
@@ -85,13 +87,15 @@ class Monitor {
   void judge_gap(const Window& window, const Update& update);
   void measure_fit(const Update& update, const OverlapScore& overlap, double dt);
   void measure_pull(const Window& window, const Update& update, double dt, bool bridged);
-  void measure_view(const Window& window, const Update& update);
+  void judge_unexplained(double share);
+  void measure_view(const Window& window, const Update& update, bool bridged);
   void note_unbound(const Update& update, double dt);
   void judge_learnt(const Update& update, double dt);
   void judge(double dt);
   void raise(std::string reason);
 
   ViewChange view_;
+  ViewCheck check_;
   bool uses_imu_ = true;
   MonitorSignals signals_;
   MonitorReport report_;
@@ -103,6 +107,8 @@ class Monitor {
   Mean<double> turned_;      ///< [rad^2/s]
   std::array<double, 4> views_{};
   int view_count_ = 0;
+  std::array<double, 4> unexplained_{};
+  int unexplained_count_ = 0;
   double since_jump_ = 1e9;  ///< [s] of the last jump of the view
   bool doubted_ = false;     ///< something stood in for the gyro since begin()
   /// [s] without a break.

@@ -1,6 +1,7 @@
 #pragma once
 /// The motion over the first sweeps of a recording, found by registering them (docs/equations.md INI-6).
 
+#include <algorithm>
 #include <optional>
 #include <span>
 
@@ -20,22 +21,28 @@ struct SweepMotion {
   double fit_at_rest = 0;        ///< the same had the sensor not moved
   /// The points show a motion: no rest explains the sweeps as well.
   bool moves = false;
-  /// The next sweep agrees with the motion, and the points bind it.
+  /// The next sweep agrees with the motion, the points bind it, and no rate of turn contradicts the gyro.
   bool believed = false;
+  /// Another motion, more than 1.2 m per sweep apart, explains the sweeps nearly as well.
+  bool ambiguous = false;
 };
 
 /// Sweeps that are registered with the first one, and one to check the result.
 inline constexpr int kSweepsOfMotion = 4;
 
+/// Time of points that count as a sweep here [s]: a sweep of the sensor, and at least 0.1 s. In less a slow sensor
+/// carrier hardly moves, and few points are seen.
+inline double sweep_motion_step(const SensorModel& sensor) { return std::max(0.1, sensor.sweep_period); }
+
 /// Data after the begin that find_sweep_motion() needs [ns].
-inline TimeNs sweep_motion_span(const SensorModel& sensor) { return to_ns(kSweepsOfMotion * sensor.sweep_period); }
+inline TimeNs sweep_motion_span(const SensorModel& sensor) {
+  return kSweepsOfMotion * to_ns(sweep_motion_step(sensor));
+}
 
 /// Registers the sweeps of (begin, begin + sweep_motion_span()] with each other: coarse to fine, from several
 /// hypotheses of a speed of up to 40 m/s. `points`: raw points of that time; `imu`: samples that cover it, the first at
-/// `begin`; empty without an IMU. `calm`: the IMU shows no acceleration or turn, so a rest is believed when it explains
-/// the sweeps. Nothing when a sweep has too few points. Same input, same bits. Costs some 20 ms at rest and some 0.3 s
-/// in motion.
+/// `begin`; empty without an IMU. Nothing when a sweep has too few points. Same input, same bits. Costs some 0.2 s.
 std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points, std::span<const ImuSample> imu,
-                                             TimeNs begin, const SensorModel& sensor, bool calm);
+                                             TimeNs begin, const SensorModel& sensor);
 
 }  // namespace aslio::pipeline

@@ -1,5 +1,5 @@
 #pragma once
-/// How much of the view changes from one tenth of a second to the next.
+/// How much of the view changes from one sweep to the next.
 
 #include <array>
 #include <cstdint>
@@ -15,11 +15,12 @@ namespace aslio::pipeline {
 /// was moved, or whose data were cut, sees most of them change at once (docs/equations.md MON-2). No allocation.
 class ViewChange {
  public:
-  explicit ViewChange(const SensorModel& sensor) : sensor_(sensor) {}
+  explicit ViewChange(const SensorModel& sensor);
 
   /// Takes the raw points of a window that ends at `t`, with the attitude that `poses` gives them. The change, once a
-  /// slot of kSlot is full: mean over the directions seen in both slots of |ln(range / range before)|, each at most
-  /// kMost. Nothing before, after a time without points, or where fewer than kLeast directions are seen in both.
+  /// slot is full (a sweep, at least 0.1 s): mean over the directions seen in both slots of |ln(range / range before)|,
+  /// each at most kMost. Nothing before, after a time without points, or where fewer than kLeast directions are seen in
+  /// both.
   std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
   /// What was seen is no longer before what comes.
   void forget();
@@ -27,9 +28,9 @@ class ViewChange {
  private:
   static constexpr int kSide = 32;                  ///< cells of the octahedral map per axis: 6 deg
   static constexpr std::size_t kMostPoints = 2000;  ///< of a window
-  static constexpr TimeNs kSlot = kSecond / 10 - kSecond / 200;
-  static constexpr TimeNs kPose = kSecond / 200;  ///< points of so long share an attitude
-  static constexpr TimeNs kBlind = kSecond / 4;   ///< after so long the view may have changed for good
+  static constexpr TimeNs kShortestSlot = kSecond / 10;
+  static constexpr TimeNs kSlack = kSecond / 200;  ///< that a window may be shorter than a slot
+  static constexpr TimeNs kPose = kSecond / 200;   ///< points of so long share an attitude
   static constexpr double kMost = 0.5;
   static constexpr int kLeast = 20;
   struct Cell {
@@ -39,6 +40,8 @@ class ViewChange {
   std::optional<double> compare() const;
 
   SensorModel sensor_;
+  TimeNs slot_;   ///< [ns]
+  TimeNs blind_;  ///< after so long without points the view may have changed for good [ns]
   std::array<Cell, kSide * kSide> now_{}, before_{};
   TimeNs slot_begin_ = kTimeMin, last_point_ = kTimeMin;
 };

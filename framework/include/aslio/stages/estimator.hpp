@@ -80,6 +80,7 @@ struct Update {
   NavState state;            ///< posterior (equals the prior when not accepted)
   StateMatrix P = StateMatrix::Zero();
   std::array<double, 6> spectrum{};  ///< eigenvalues of the pose information (theta, p) of the fresh points, ascending
+  Vec6 weakest = Vec6::Zero();  ///< direction of the least of them: theta (I, at 5 m of lever arm), p (W); 0: not known
   int iterations = 0;
   std::uint32_t fresh_matches = 0;
   std::uint32_t history_matches = 0;

@@ -1,0 +1,53 @@
+#pragma once
+/// Whether what was seen a moment ago is where the run's own motion puts it now.
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "aslio/core/sensor.hpp"
+#include "aslio/stages/estimator.hpp"
+
+namespace aslio::pipeline {
+
+/// Places the points of a slot (a sweep, at least 0.1 s) by the poses of the run, sees the next slot from where the run
+/// then is, and compares ranges by direction (docs/equations.md MON-6). A sensor that was moved, whose data were cut,
+/// or whose velocity is wrong is not where its run says. It knows neither map nor filter. No allocation.
+class ViewCheck {
+ public:
+  explicit ViewCheck(const SensorModel& sensor);
+
+  /// Takes the raw points of a window that ends at `t`, placed by `poses`. Once a slot is full: share of the surfaces
+  /// of the slot before that are nearer or farther now than the motion explains. Nothing before, after a time without
+  /// points, or where fewer than kLeast directions are seen in both.
+  std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
+  /// What was seen is no longer before what comes.
+  void forget();
+
+ private:
+  static constexpr int kSide = 64;                  ///< cells of the octahedral map per axis: 3 deg
+  static constexpr std::size_t kMostPoints = 6000;  ///< of a slot
+  static constexpr TimeNs kPose = kSecond / 200;    ///< points of so long share a pose
+  static constexpr TimeNs kSlack = kSecond / 200;   ///< that a window may be shorter than a slot
+  static constexpr int kLeast = 20;
+  /// A direction from the origin of its slot.
+  struct Cell {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();  ///< of points from the origin [m]
+    float nearest = 0, farthest = 0;                ///< [m]
+    std::uint32_t n = 0;
+  };
+  struct Slot {
+    std::array<Cell, kSide * kSide> cells{};
+    Vec3 origin = Vec3::Zero();  ///< of the LiDAR, at its first point, in W [m]
+    TimeNs begin = kTimeMin;
+  };
+  void place(std::span<const TimedPoint> points, const TrajectoryModel& poses, std::size_t stride);
+  std::optional<double> compare() const;
+
+  SensorModel sensor_;
+  TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
+  Slot now_, before_;
+  TimeNs last_point_ = kTimeMin, last_end_ = kTimeMin;
+};
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,88 @@
+#include "aslio/pipeline/view_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "octahedral.hpp"
+
+namespace aslio::pipeline {
+
+namespace {
+
+constexpr std::uint32_t kSeen = 2;   // points that a direction needs
+constexpr float kOneSurface = 1.3F;  // farthest to nearest of one surface
+constexpr float kLoose = 0.08F;      // share of a range within which two agree, and ..
+constexpr float kLooseBy = 0.15F;    // .. so much more [m]
+
+}  // namespace
+
+ViewCheck::ViewCheck(const SensorModel& sensor)
+    : sensor_(sensor), slot_(std::max(kSecond / 10, to_ns(sensor.sweep_period))), blind_(slot_ * 5 / 2) {}
+
+void ViewCheck::forget() {
+  now_ = before_ = Slot{};
+  last_point_ = last_end_ = kTimeMin;
+}
+
+// eq. MON-6.
+std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
+  if (points.empty()) return std::nullopt;
+  if (last_point_ > kTimeMin && points.front().t - last_point_ > blind_) forget();
+  last_point_ = points.back().t;
+  const TimeNs length = last_end_ > kTimeMin ? std::clamp<TimeNs>(t - last_end_, 1, slot_) : slot_;
+  last_end_ = t;
+  const double most = static_cast<double>(kMostPoints) * static_cast<double>(length) / static_cast<double>(slot_);
+  place(points, poses, 1 + static_cast<std::size_t>(static_cast<double>(points.size()) / std::max(most, 1.0)));
+  if (t - now_.begin < slot_ - kSlack) return std::nullopt;
+  const auto unexplained = compare();
+  before_ = now_;
+  now_ = Slot{};
+  return unexplained;
+}
+
+void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel& poses, std::size_t stride) {
+  TimeNs posed = kTimeMin;
+  Pose T;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const TimedPoint& point = points[i];
+    const Vec3 p(point.x, point.y, point.z);
+    const double range = p.norm();
+    if (!(range >= sensor_.min_range && range <= sensor_.max_range)) continue;
+    if (posed == kTimeMin || point.t - posed > kPose) {
+      posed = point.t;
+      T = poses.pose(point.t) * sensor_.T_imu_lidar;
+    }
+    if (now_.begin == kTimeMin) {
+      now_.begin = point.t;
+      now_.origin = T.p;
+    }
+    const Eigen::Vector3f q = (T * p - now_.origin).cast<float>();
+    const float sum = q.cwiseAbs().sum(), distance = q.norm();
+    if (!(sum > 0) || !std::isfinite(sum)) continue;
+    Cell& cell = now_.cells[octahedral_cell(q, sum, kSide)];
+    cell.nearest = cell.n == 0 ? distance : std::min(cell.nearest, distance);
+    cell.farthest = std::max(cell.farthest, distance);
+    cell.sum += q;
+    ++cell.n;
+  }
+}
+
+std::optional<double> ViewCheck::compare() const {
+  const Eigen::Vector3f shift = (before_.origin - now_.origin).cast<float>();
+  int n = 0, unexplained = 0;
+  for (const Cell& was : before_.cells) {
+    if (was.n < kSeen || was.farthest > kOneSurface * was.nearest) continue;
+    const Eigen::Vector3f q = was.sum / static_cast<float>(was.n) + shift;
+    const float sum = q.cwiseAbs().sum(), distance = q.norm();
+    if (!(distance > static_cast<float>(sensor_.min_range)) || !std::isfinite(sum)) continue;
+    const Cell& is = now_.cells[octahedral_cell(q, sum, kSide)];
+    if (is.n < kSeen) continue;
+    ++n;
+    if (distance < (1.0F - kLoose) * is.nearest - kLooseBy || distance > (1.0F + kLoose) * is.farthest + kLooseBy) {
+      ++unexplained;
+    }
+  }
+  return n < kLeast ? std::nullopt : std::optional(static_cast<double>(unexplained) / n);
+}
+
+}  // namespace aslio::pipeline

@@ -1,0 +1,135 @@
+// What was seen a moment ago is where the run's own motion puts it, or it is not (eq. MON-6).
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "aslio/core/lie.hpp"
+#include "aslio/pipeline/view_check.hpp"
+
+namespace aslio::pipeline::view_check_test {
+
+namespace {
+
+constexpr TimeNs kEpoch = 1'700'000'000 * kSecond;
+
+/// A hall of 30 m by 20 m with pillars.
+double cast(const Vec3& from, const Vec3& ray) {
+  double range = std::numeric_limits<double>::infinity();
+  const Vec3 low(-15, -10, -1.5), high(15, 10, 4.5);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double wall = ray[axis] > 0 ? high[axis] : low[axis];
+    if (ray[axis] != 0) range = std::min(range, (wall - from[axis]) / ray[axis]);
+  }
+  for (int i = -2; i <= 2; ++i) {
+    for (const double y : {-4.0, 5.0}) {
+      const Vec3 inverse = ray.cwiseInverse();
+      const Vec3 a = (Vec3(5.0 * i - 0.4, y - 0.4, -1.5) - from).cwiseProduct(inverse);
+      const Vec3 b = (Vec3(5.0 * i + 0.4, y + 0.4, 4.5) - from).cwiseProduct(inverse);
+      const double enter = a.cwiseMin(b).maxCoeff(), leave = a.cwiseMax(b).minCoeff();
+      if (enter > 0 && enter < leave) range = std::min(range, enter);
+    }
+  }
+  return range;
+}
+
+/// A motion, and the poses that the run believes.
+class Motion final : public TrajectoryModel {
+ public:
+  explicit Motion(std::function<Pose(double)> pose) : pose_(std::move(pose)) {}
+  Pose pose(TimeNs t) const override { return pose_(to_seconds(t - kEpoch)); }
+  int dof() const override { return 6; }
+  Pose moved(TimeNs, const Eigen::VectorXd&) const override { return {}; }
+  void jacobian(TimeNs, Eigen::MatrixXd&) const override {}
+
+ private:
+  std::function<Pose(double)> pose_;
+};
+
+/// Largest share after `after` s of 2 s of data, in windows of `window`; -1: none was found.
+double worst(const Motion& truth, const Motion& believed, TimeNs window, double after, double view_deg = 180,
+             SensorModel sensor = {}) {
+  ViewCheck check(sensor);
+  std::mt19937 engine(101);
+  const auto uniform = [&](double a, double b) { return a + (b - a) * static_cast<double>(engine() % 100'000) / 1e5; };
+  double out = -1;
+  const double height = view_deg < 180 ? std::sin(view_deg / 360 * 3.14159) : 0.7;
+  for (TimeNs end = kEpoch + window; end <= kEpoch + 2 * kSecond; end += window) {
+    std::vector<TimedPoint> points;
+    const auto count = static_cast<int>(100'000 * to_seconds(window));
+    for (int i = 0; i < count; ++i) {
+      const TimeNs t = end - window + (i + 1) * (window / count);
+      const double azimuth = uniform(-view_deg, view_deg) * 3.14159 / (view_deg < 180 ? 360 : 180);
+      const double z = uniform(-height, height), c = std::sqrt(1 - z * z);
+      const Vec3 ray(c * std::cos(azimuth), c * std::sin(azimuth), z);
+      const Pose T = truth.pose(t);
+      const Eigen::Vector3f p = ((cast(T.p, T.R * ray) + uniform(-0.03, 0.03)) * ray).cast<float>();
+      points.push_back({.x = p.x(), .y = p.y(), .z = p.z(), .t = t});
+    }
+    const auto share = check.add(points, believed, end);
+    if (share && to_seconds(end - kEpoch) > after) out = std::max(out, *share);
+  }
+  return out;
+}
+
+Motion walk(double speed, double rate) {
+  return Motion([=](double t) { return Pose{exp_so3(rate * t * Vec3::UnitZ()), Vec3(-5 + speed * t, 0.5, 0)}; });
+}
+
+}  // namespace
+
+TEST_CASE("view check: what the motion explains is explained, however it is cut into windows") {
+  for (const TimeNs window : {kSecond / 10, kSecond / 50, kSecond / 125}) {
+    CAPTURE(to_seconds(window));
+    CHECK(worst(walk(0, 0), walk(0, 0), window, 0) >= 0);
+    CHECK(worst(walk(0, 0), walk(0, 0), window, 0) < 0.03);
+    CHECK(worst(walk(1.5, 0), walk(1.5, 0), window, 0) < 0.06);
+    CHECK(worst(walk(1.0, 3.0), walk(1.0, 3.0), window, 0) < 0.08);
+    CHECK(worst(walk(6.0, 0.5), walk(6.0, 0.5), window, 0) < 0.12);
+  }
+}
+
+TEST_CASE("view check: a piece of the data that is missing is not explained") {
+  // 4 s of a walk are cut out after 1 s.
+  const auto jump = [](double by, double turn) {
+    return Motion([=](double t) {
+      const double off = t > 1.0 ? 1.0 : 0.0;
+      return Pose{exp_so3(off * turn * Vec3::UnitZ()), Vec3(-5 + t + off * by, 0.5, 0)};
+    });
+  };
+  for (const double view : {180.0, 70.0}) {
+    CAPTURE(view);
+    CHECK(worst(jump(4.0, 0), walk(1.0, 0), kSecond / 10, 1.0, view) > 0.2);
+    CHECK(worst(jump(3.0, 1.0), walk(1.0, 0), kSecond / 10, 1.0, view) > 0.2);
+  }
+}
+
+TEST_CASE("view check: a turn that the run does not follow is not explained") {
+  CHECK(worst(walk(0, 2.0), walk(0, 0), kSecond / 10, 0.5) > 0.1);
+}
+
+TEST_CASE("view check: a slot is a sweep, and after a silence nothing is compared") {
+  SensorModel slow;
+  slow.sweep_period = 0.5;
+  CHECK(worst(walk(1.0, 0), walk(1.0, 0), kSecond / 10, 0.9, 180, slow) >= 0);
+  ViewCheck check{SensorModel{}};
+  const Motion still = walk(0, 0);
+  std::vector<TimedPoint> points;
+  for (int i = 0; i < 4000; ++i) {
+    const double a = 0.01 * i, z = 0.6 * std::sin(0.37 * i), c = std::sqrt(1 - z * z);
+    points.push_back({.x = static_cast<float>(5 * c * std::cos(a)),
+                      .y = static_cast<float>(5 * c * std::sin(a)),
+                      .z = static_cast<float>(5 * z),
+                      .t = kEpoch + (i + 1) * 25'000});
+  }
+  CHECK_FALSE(check.add(points, still, kEpoch + kSecond / 10));
+  for (TimedPoint& p : points) p.t += kSecond;
+  CHECK_FALSE(check.add(points, still, kEpoch + 11 * kSecond / 10));
+  for (TimedPoint& p : points) p.t += kSecond / 10;
+  CHECK(check.add(points, still, kEpoch + 12 * kSecond / 10) == 0.0);
+}
+
+}  // namespace aslio::pipeline::view_check_test
