@@ -171,9 +171,10 @@ class Odometry::Loop {
   bool look_at_sweeps(Initialisation& found, const Mat3* heading) {
     if (!config_.initialisation.register_sweeps) return true;
     const bool declared_rest = config_.initialisation.mode == InitialisationMode::static_start;
-    constexpr TimeNs patience = 2 * kSecond;  // an IMU that falls silent is not waited for
     const bool inertial = stages_.estimator->uses_imu();
     const TimeNs begin = found.initial.state.t, end = begin + sweep_motion_span(sensor_);
+    // An IMU that falls silent is waited for as long as the points of the sweeps are kept.
+    const TimeNs patience = std::max(2 * kSecond, kMostKept - sweep_motion_span(sensor_));
     const bool arrived = stream_.points_until() >= end && (!inertial || stream_.imu_until() >= end);
     if (!arrived && !stream_.finished() && stream_.last_point() < end + patience) return false;
     std::vector<ImuSample> imu;
@@ -192,10 +193,9 @@ class Odometry::Loop {
     if (no_points_yet && stream_.imu_settled()) stream_.release(stream_.last_imu() - imu_kept);
   }
 
-  /// Nothing is reckoned for longer than a run that is lost reckons; what a silent LiDAR leaves would pile up.
+  /// What comes while the LiDAR is silent would pile up. Points may be late, but not by so much.
   void forget_unused_imu() {
-    const TimeNs kept = std::max(NewStart::kLongestReckoning, to_ns(config_.limits.max_gap)) + kMostKept +
-                        to_ns(config_.initialisation.time);
+    constexpr TimeNs kept = 600 * kSecond;
     if (stream_.last_imu() > feedback_.t && stream_.last_imu() - feedback_.t > kept && stream_.imu_settled()) {
       stream_.release(stream_.last_imu() - kept);
     }

@@ -40,10 +40,11 @@ class Registration {
       const auto of = static_cast<std::size_t>(k);
       std::vector<SweepPoint> all = placed(points.subspan(first, next - first), path, sensor);
       std::vector<SweepPoint> standing = upright(all);
-      if (k == 0) overlap_edge_ = spread_edge(standing);
+      if (k == 0) overlap_edge_ = spread_edge(standing, 3 * kMinSweepPoints / 2);
       standing_[of] = spread(standing, kQueryPoints, 1.0 / overlap_edge_);
       std::erase_if(all, [](const SweepPoint& p) { return p.q.norm() > kMaxRange; });
-      sweeps_[of] = k == 0 ? spread(all, kReferencePoints, 6.0) : spread(all, kQueryPoints, 1.0 / spread_edge(all));
+      sweeps_[of] = k == 0 ? spread(all, kReferencePoints, 6.0)
+                           : spread(all, kQueryPoints, 1.0 / spread_edge(all, kMinSweepPoints));
       if (standing_[of].size() < kMinSweepPoints) standing_[of] = some(sweeps_[of], kScanPoints);
     }
     if (!complete()) return;
@@ -185,8 +186,7 @@ class Registration {
   }
 
   /// Edge of cells of which one point each is kept: 1 m, less where that leaves too few, as in a room.
-  static double spread_edge(const std::vector<SweepPoint>& sweep) {
-    constexpr std::size_t enough = 3 * kMinSweepPoints / 2;
+  static double spread_edge(const std::vector<SweepPoint>& sweep, std::size_t enough) {
     constexpr double finest = 0.2;  // [m]
     double edge = 1.0;
     while (edge > finest && spread(sweep, kQueryPoints, 1.0 / edge).size() < enough) edge *= 0.5;
@@ -320,7 +320,8 @@ constexpr double kBetter = 1.1;  // a fit that is better by less is as good
 constexpr double kFits = 0.35;   // of the best fit: less is none
 // A motion may be the right one although another overlaps by so much more and fits so many times better: guard rails.
 constexpr double kAlsoOverlaps = 0.16, kAlsoFits = 1.35;
-constexpr double kApart = 1.2;  // displacements per sweep that differ by more are two [m]
+constexpr double kCertain = 0.3;  // sigma of one of several that is taken [m/s]
+constexpr double kApart = 1.2;    // displacements per sweep that differ by more are two [m]
 
 /// A rest, and the velocities to look at closely: those that overlap the most, apart from each other.
 std::vector<Vec3> candidates(Registration& registration, double period) {
@@ -420,7 +421,7 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   out.moves = better && best.v.norm() > std::max(kRestSpeed, out.sigma_velocity);
   out.ambiguous = !alone;
   const bool gyro_agrees = !registration.inertial() || best.e.norm() < kMostOfGyro;
-  out.believed = fits && gyro_agrees && out.sigma_velocity < 1.0;
+  out.believed = fits && gyro_agrees && out.sigma_velocity < (alone ? 1.0 : kCertain);
   return out;
 }
 
