@@ -152,8 +152,8 @@ void Monitor::measure_fit(const Update& update, const OverlapScore& overlap, dou
 void Monitor::measure_view(const Window& window, const Update& update, bool bridged) {
   since_jump_ += length(window);
   if (update.trajectory == nullptr || !update.state.R.allFinite()) return;
-  if (bridged || unread(window)) {
-    check_.forget();  // within such a window the poses are a guess
+  if (!uses_imu_ || bridged || unread(window)) {
+    check_.forget();  // within such a window the poses are a guess, in a sharp turn
   } else if (const auto share = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
     judge_unexplained(*share);
   }
