@@ -116,6 +116,11 @@ int run(const std::vector<std::string>& words) {
   if (method == "garbage") text = std::string("\x7f\x45\x4c\x46\0\xff{]", 8);
   if (method == "unknown") text.replace(text.find("ok"), 2, "splendid");
   if (method == "liar") code = 1;
+  if (method == "degraded") {
+    text.replace(text.find("ok"), 2, "degraded");
+    code = 4;
+  }
+  if (method == "degraded_liar") text.replace(text.find("ok"), 2, "degraded");
   if (method == "unmeasured") {
     text = R"({"status": "ok", "reason": "", "metrics": {"error": "truth.tum:3: no number"}})";
     code = 3;

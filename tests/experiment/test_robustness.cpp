@@ -128,10 +128,12 @@ TEST_CASE("a run that goes wrong in any way is a row with its reason, and the st
       {"garbage", "failed: its summary.json is none (exit code 0)"},
       {"unknown", "failed: its summary.json has the unknown status 'splendid'"},
       {"liar", "failed: its summary.json says ok, its exit code is 1"},
+      {"degraded_liar", "failed: its summary.json says degraded, its exit code is 0"},
       {"unmeasured", "failed: it could not be measured: truth.tum:3: no number"},
       {"mute", "failed: exit code 1 without a complaint"},
       {"forks", "ok: "},
-      {"good", "ok: "}};
+      {"good", "ok: "},
+      {"degraded", "degraded: "}};
   std::vector<std::string> names;
   for (const auto& [name, outcome] : expected) names.push_back(name);
   const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods(names) +
@@ -140,14 +142,15 @@ TEST_CASE("a run that goes wrong in any way is a row with its reason, and the st
   const StudyResult result = run_study(study, options(files.folder / "out"), monitor);
   INFO(monitor.lines);
   REQUIRE(result.rows.size() == expected.size());
-  CHECK(result.failures() == 9);
+  CHECK(result.failures() == 10);
   for (std::size_t i = 0; i < expected.size(); ++i) {
     INFO(expected[i].first);
     REQUIRE(result.rows[i].has_value());
     CHECK(result.rows[i]->outcome.status + ": " + result.rows[i]->outcome.reason == expected[i].second);
   }
-  CHECK_THAT(content(files.folder / "out/table.md"), Contains("| scene_a | x | x | x | x | x | x | x | x | x | 0.") &&
-                                                         Contains("| scene_a_1 | liar | failed |"));
+  CHECK_THAT(
+      content(files.folder / "out/table.md"),
+      Contains("| scene_a | x | x | x | x | x | x | x | x | x | x | 0.") && Contains("| scene_a_1 | liar | failed |"));
   // Nothing that a run has started outlives it.
   const pid_t left = std::stoi(content(files.folder / "out/runs/scene_a_1/forks/left_behind.txt"));
   for (int i = 0; i < 200 && ::kill(left, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));

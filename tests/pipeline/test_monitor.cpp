@@ -115,6 +115,15 @@ TEST_CASE("monitor: a view that changes as a whole is an alarm within two tenths
              Contains("of what was seen a moment ago is not where the motion of the run puts it"));
 }
 
+TEST_CASE("monitor: the view alone tells it as well, where something stands in for the gyro") {
+  Play play;
+  play.faults = imu_fault::gyro_clipped;
+  play.calm(20);
+  play.room = 9.0;
+  CHECK(std::isnan(play.next().unexplained));
+  CHECK_THAT(play.monitor.alarm().value_or(""), Contains("of the view changed at once"));
+}
+
 TEST_CASE("monitor: after a time without points another view is no alarm") {
   Play play;
   play.calm(20);

@@ -128,6 +128,7 @@ TEST_CASE("sweep motion: a rest is a rest, at any rate of the IMU and without on
     REQUIRE(motion);
     CAPTURE(imu_rate, motion->velocity.transpose(), motion->fit, motion->fit_at_rest);
     CHECK_FALSE(motion->moves);
+    CHECK_FALSE(motion->ambiguous);
     CHECK(motion->velocity.norm() < 0.1);
   }
 }
@@ -142,6 +143,7 @@ TEST_CASE("sweep motion: an even speed is found although the IMU is calm") {
       CHECK(motion->believed);
       CHECK((motion->velocity - Vec3(speed, 0, 0)).norm() < (imu_rate > 0 ? 0.3 : 0.4));
       CHECK(motion->sigma_velocity < 0.6);
+      CHECK_FALSE(motion->ambiguous);
     }
   }
 }
@@ -184,6 +186,7 @@ TEST_CASE("sweep motion: in a small room a rest and a walk are told apart") {
     REQUIRE(motion);
     CAPTURE(speed, motion->velocity.transpose(), motion->sigma_velocity, motion->fit, motion->fit_at_rest);
     CHECK(motion->moves == (speed > 0));
+    CHECK_FALSE(motion->ambiguous);
     CHECK((motion->velocity - carrier.v).norm() < 0.3);
   }
 }

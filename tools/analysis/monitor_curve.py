@@ -37,7 +37,7 @@ def replayed(rows, factor):
         if view and row["view_jump"] > VIEW_STIR * factor:
             stirred = 0.0
         alarm = view and row["view_jump"] > VIEW * factor
-        if row["view_change"] > 0:  # a slot ended here
+        if row["unexplained"] >= 0:  # -1: no slot ended here
             share, usual = row["unexplained"], max([UNEXPLAINED_USUAL, *shares[-4:]])
             if len(shares) >= 4 and share > UNEXPLAINED:
                 stirred = 0.0 if share > UNEXPLAINED_STIR * factor * usual else stirred

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBadDataExit = 3;
+constexpr int kBadDataExit = 3, kDegradedExit = 4;
 constexpr std::array<std::string_view, 6> kStatuses = {"ok",        "degraded", "diverged",
                                                        "truncated", "failed",   "interrupted"};
 
@@ -50,7 +50,7 @@ StudyOutcome judge_exit(const ChildEnd& end, const fs::path& folder, const fs::p
     // It ran, and there is nothing to compare it by.
     return failed("it could not be measured: " + (summary->reason.empty() ? exit_text(end, log) : summary->reason));
   }
-  if (good && end.code != 0) {
+  if (good && end.code != (summary->status == "ok" ? 0 : kDegradedExit)) {
     return failed(fmt::format("its summary.json says {}, its exit code is {}", summary->status, end.code));
   }
   StudyOutcome outcome = *summary;

@@ -194,7 +194,7 @@ std::string what_sweeps_say(const SweepMotion& motion) {
 
 void doubt_declared_rest(Initialisation& found, const SweepMotion& motion) {
   found.verdict += fmt::format("; {}", what_sweeps_say(motion));
-  if (!motion.moves || !motion.believed) return;
+  if (!motion.moves) return;
   found.doubt =
       fmt::format("initialisation.mode is 'static', but the first sweeps show a motion of {:.1f} m/s: take 'auto'",
                   motion.velocity.norm());
@@ -220,8 +220,12 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   if (!motion.believed || (!motion.moves && !bound)) {
     if (static_by_imu) release_velocity(initial);
     found.verdict += fmt::format("; {}: velocity not known", seen);
-    found.doubt = fmt::format("the first velocity is not known: the first sweeps {}",
-                              bound ? "do not agree on one" : "do not bind it");
+    found.doubt =
+        "the first velocity is not known: the first sweeps " +
+        (motion.contradicts_gyro
+             ? fmt::format("contradict the gyro by {:.2f} rad/s: check gyro_unit and T_imu_lidar", motion.rate.norm())
+         : bound ? std::string("do not agree on one")
+                 : std::string("do not bind it"));
     return;
   }
   if (static_by_imu) release_velocity(initial);

@@ -168,7 +168,7 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
     if (tells && signals_.view_jump > kViewStir) since_jump_ = 0;
     if (tells && signals_.view_jump > kViewJump) {
       raise(
-          fmt::format("{:.1f} times more of the view changed within 0.1 s than before: a piece of the data is "
+          fmt::format("{:.1f} times more of the view changed at once than before: a piece of the data is "
                       "missing, or the sensor was moved",
                       signals_.view_jump));
     }
@@ -180,13 +180,14 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
 void Monitor::judge_unexplained(double share) {
   signals_.unexplained = share;
   if (unexplained_count_ >= 4) {
-    const double usual = std::max(*std::max_element(unexplained_.begin(), unexplained_.end()), kUnexplainedUsual);
+    const double before = *std::max_element(unexplained_.begin(), unexplained_.end());
+    const double usual = std::max(before, kUnexplainedUsual);
     if (share > kUnexplained && share > kUnexplainedStir * usual) since_jump_ = 0;
     if (share > kUnexplained && share > kUnexplainedJump * usual) {
       raise(fmt::format(
           "{:.0f} % of what was seen a moment ago is not where the motion of the run puts it, usually {:.0f} "
           "%: a piece of the data is missing, or the sensor was moved",
-          100 * share, 100 * usual));
+          100 * share, 100 * before));
     }
   }
   unexplained_[static_cast<std::size_t>(unexplained_count_++ % 4)] = share;

@@ -50,10 +50,7 @@ class Odometry::Loop {
         const CpuTimer timer(deciding_);
         plan = stages_.window->next(stream_, feedback_, *probe_);
       }
-      if (!plan) {  // what it took to see that more is needed counts for the window that comes of it
-        forget_unused_imu();
-        break;
-      }
+      if (!plan) break;  // what it took to see that more is needed counts for the window that comes of it
       UpdateRecord record;
       record.times.window = std::exchange(deciding_, 0.0);
       note_gaps(*plan);
@@ -61,6 +58,7 @@ class Odometry::Loop {
       step(*plan, record);
       stream_.release(feedback_.t - stages_.window->reach());
     }
+    forget_unused_imu();
   }
 
   void step(const WindowPlan& plan, UpdateRecord& record) {
@@ -174,7 +172,7 @@ class Odometry::Loop {
     const bool inertial = stages_.estimator->uses_imu();
     const TimeNs begin = found.initial.state.t, end = begin + sweep_motion_span(sensor_);
     // An IMU that falls silent is waited for as long as the points of the sweeps are kept.
-    const TimeNs patience = std::max(2 * kSecond, kMostKept - sweep_motion_span(sensor_));
+    const TimeNs patience = points_kept() - sweep_motion_span(sensor_);
     const bool arrived = stream_.points_until() >= end && (!inertial || stream_.imu_until() >= end);
     if (!arrived && !stream_.finished() && stream_.last_point() < end + patience) return false;
     std::vector<ImuSample> imu;
@@ -187,7 +185,7 @@ class Odometry::Loop {
 
   /// Without IMU data nothing begins, nor without points, and what comes of the others would pile up.
   void forget_waiting_data() {
-    if (stream_.last_point() > kTimeMin + kMostKept) stream_.forget_points(stream_.last_point() - kMostKept);
+    if (stream_.last_point() > kTimeMin + points_kept()) stream_.forget_points(stream_.last_point() - points_kept());
     const TimeNs imu_kept = kMostKept + to_ns(config_.initialisation.time);
     const bool no_points_yet = !stream_.first_point() && stream_.last_imu() > kTimeMin + imu_kept;
     if (no_points_yet && stream_.imu_settled()) stream_.release(stream_.last_imu() - imu_kept);
@@ -196,17 +194,19 @@ class Odometry::Loop {
   /// What comes while the LiDAR is silent would pile up. Points may be late, but not by so much.
   void forget_unused_imu() {
     constexpr TimeNs kept = 600 * kSecond;
-    if (stream_.last_imu() > feedback_.t && stream_.last_imu() - feedback_.t > kept && stream_.imu_settled()) {
-      stream_.release(stream_.last_imu() - kept);
-    }
+    if (!stream_.imu_settled() || stream_.last_imu() < kTimeMin + kept) return;
+    if (stream_.last_imu() - kept > stream_.last_point()) stream_.release(stream_.last_imu() - kept);
   }
+
+  /// Of points that wait for IMU data: those of the first sweeps (INI-6) are among them, also of a slow sensor.
+  TimeNs points_kept() const { return kMostKept + sweep_motion_span(sensor_) - kSweepsOfMotion * kSecond / 10; }
 
   /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.
   bool restart() {
     if (!new_start_) new_start_.emplace(last_known(), config_.initialisation, sensor_);
-    if (stages_.estimator->uses_imu() && stream_.last_point() > kTimeMin + kMostKept) {
+    if (stages_.estimator->uses_imu() && stream_.last_point() > kTimeMin + points_kept()) {
       // IMU data of points that are kept no longer.
-      new_start_->skip(stream_.last_point() - kMostKept - to_ns(config_.initialisation.time));
+      new_start_->skip(stream_.last_point() - points_kept() - to_ns(config_.initialisation.time));
     }
     if (!found_start_) found_start_ = new_start_->find(stream_, *stages_.estimator);
     if (!found_start_) {

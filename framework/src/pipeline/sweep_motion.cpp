@@ -23,7 +23,7 @@ constexpr std::size_t kScanPoints = 8000;        // of a sweep, where nothing st
 constexpr double kMaxUprightRange = 100.0;       // and to compare velocities by what stands there [m]
 constexpr std::size_t kMinSweepPoints = 100;     // a sweep with fewer says nothing
 constexpr double kSigmaGyro = 0.02;              // of a rate that is not corrected for its bias [rad/s]
-constexpr double kMostOfGyro = 3 * kSigmaGyro;   // registrations that find more are wrong
+constexpr double kMostOfGyro = 0.1;              // a bias beyond that is implausible (MON-4) [rad/s]
 
 class Registration {
  public:
@@ -420,8 +420,8 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   out.sigma_tilt = worst(3) / kStandardGravity;
   out.moves = better && best.v.norm() > std::max(kRestSpeed, out.sigma_velocity);
   out.ambiguous = !alone;
-  const bool gyro_agrees = !registration.inertial() || best.e.norm() < kMostOfGyro;
-  out.believed = fits && gyro_agrees && out.sigma_velocity < (alone ? 1.0 : kCertain);
+  out.contradicts_gyro = registration.inertial() && best.e.norm() > kMostOfGyro;
+  out.believed = fits && !out.contradicts_gyro && out.sigma_velocity < (alone ? 1.0 : kCertain);
   return out;
 }
 

@@ -35,6 +35,7 @@ std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const 
     const Eigen::Vector3f d = R * p;
     const float sum = d.cwiseAbs().sum();
     if (!std::isfinite(sum)) return std::nullopt;
+    if (!(sum > 0)) continue;
     Cell& cell = now_[octahedral_cell(d, sum, kSide)];
     cell.sum += std::log(range);
     ++cell.n;

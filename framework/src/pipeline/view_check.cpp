@@ -21,19 +21,17 @@ ViewCheck::ViewCheck(const SensorModel& sensor)
 
 void ViewCheck::forget() {
   now_ = before_ = Slot{};
-  last_point_ = last_end_ = kTimeMin;
+  last_placed_ = last_end_ = kTimeMin;
 }
 
 // eq. MON-6.
 std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
   if (points.empty()) return std::nullopt;
-  if (last_point_ > kTimeMin && points.front().t - last_point_ > blind_) forget();
-  last_point_ = points.back().t;
   const TimeNs length = last_end_ > kTimeMin ? std::clamp<TimeNs>(t - last_end_, 1, slot_) : slot_;
   last_end_ = t;
   const double most = static_cast<double>(kMostPoints) * static_cast<double>(length) / static_cast<double>(slot_);
   place(points, poses, 1 + static_cast<std::size_t>(static_cast<double>(points.size()) / std::max(most, 1.0)));
-  if (t - now_.begin < slot_ - kSlack) return std::nullopt;
+  if (now_.begin == kTimeMin || t - now_.begin < slot_ - kSlack) return std::nullopt;
   const auto unexplained = compare();
   before_ = now_;
   now_ = Slot{};
@@ -48,6 +46,8 @@ void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel&
     const Vec3 p(point.x, point.y, point.z);
     const double range = p.norm();
     if (!(range >= sensor_.min_range && range <= sensor_.max_range)) continue;
+    if (last_placed_ > kTimeMin && point.t - last_placed_ > blind_) now_ = before_ = Slot{};
+    last_placed_ = point.t;
     if (posed == kTimeMin || point.t - posed > kPose) {
       posed = point.t;
       T = poses.pose(point.t) * sensor_.T_imu_lidar;

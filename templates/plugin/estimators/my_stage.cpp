@@ -188,8 +188,9 @@ void MyStage::accept(const Pose& end, const Normal& normal) {
   constexpr double lever = 5.0;  // [m], at which rotation counts as position
   scaled.topRows<3>() /= lever;
   scaled.leftCols<3>() /= lever;
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scaled);
   for (std::size_t i = 0; i < 6; ++i) result_.spectrum[i] = solver.eigenvalues()[static_cast<Eigen::Index>(i)];
+  result_.weakest = solver.eigenvectors().col(0);
 }
 
 namespace {

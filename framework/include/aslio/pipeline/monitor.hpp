@@ -2,6 +2,7 @@
 /// Knowing that a run is lost: the same signals for every estimator, from what its updates say anyway.
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -27,7 +28,8 @@ struct MonitorSignals {
   double gyro_mismatch = 0;                           ///< share of the measured turn that the points contradict
   double view_change = 0;  ///< mean |ln range ratio| of the last tenth of a second to the one before
   double view_jump = 0;    ///< that over the largest of the four before, a factor
-  double unexplained = 0;  ///< share of what was seen that is not where the run's own motion puts it (MON-6)
+  /// Share of what was seen that is not where the run's own motion puts it (MON-6); NaN where no slot ended.
+  double unexplained = std::numeric_limits<double>::quiet_NaN();
   bool alarm = false;
 };
 

@@ -25,6 +25,8 @@ struct SweepMotion {
   bool believed = false;
   /// Another motion, more than 1.2 m per sweep apart, explains the sweeps nearly as well.
   bool ambiguous = false;
+  /// The rate differs from that of the gyro by more than any bias.
+  bool contradicts_gyro = false;
 };
 
 /// Sweeps that are registered with the first one, and one to check the result.

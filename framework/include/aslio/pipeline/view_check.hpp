@@ -47,7 +47,8 @@ class ViewCheck {
   SensorModel sensor_;
   TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
   Slot now_, before_;
-  TimeNs last_point_ = kTimeMin, last_end_ = kTimeMin;
+  TimeNs last_placed_ = kTimeMin;  ///< of the points that count
+  TimeNs last_end_ = kTimeMin;
 };
 
 }  // namespace aslio::pipeline

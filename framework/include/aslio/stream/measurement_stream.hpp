@@ -1,7 +1,7 @@
 #pragma once
 /// The time-ordered stream of points and IMU samples, and the cutting of windows by point time, never by packet.
 /// Points with equal time stay together on one side of any cut. Memory is bounded by what windows may still reach; but
-/// where no points come any more, IMU data stay until one does or the recording ends (40 MB for an hour at 200 Hz).
+/// where no points come any more, IMU data stay until one does or release() lets them go.
 
 #include <algorithm>
 #include <array>
