@@ -23,6 +23,8 @@ constexpr double kMismatch = 0.15, kTurnEnough = 0.05;  ///< of the turn; of a t
 constexpr double kWrongFor = 0.2;                       ///< [s]
 // Shares of the view: least that counts, least that is usual, factors for an alarm and to be stirred.
 constexpr double kUnexplained = 0.1, kUnexplainedUsual = 0.025;
+// In a sharp turn poses are off by degrees for a moment: share per rad/s beyond this rate [rad/s].
+constexpr double kUnexplainedTurn = 0.15, kSharpTurn = 1.0;
 constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
 constexpr double kScale = 0.03, kDelay = 0.015, kGyroBias = 0.1, kAccBias = 1.5;
 
@@ -104,6 +106,7 @@ void Monitor::begin(bool uses_imu) {
   contradicted_ = {};
   turned_ = {};
   view_count_ = unexplained_count_ = 0;
+  fastest_ = 0;
   since_jump_ = 1e9;
   doubted_ = false;
 }
@@ -152,6 +155,7 @@ void Monitor::measure_fit(const Update& update, const OverlapScore& overlap, dou
 void Monitor::measure_view(const Window& window, const Update& update, bool bridged) {
   since_jump_ += length(window);
   if (update.trajectory == nullptr || !update.state.R.allFinite()) return;
+  for (const ImuSample& s : window.imu) fastest_ = std::max(fastest_, s.gyro.norm());
   if (!uses_imu_ || bridged || unread(window)) {
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
   } else if (const auto share = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
@@ -182,8 +186,9 @@ void Monitor::judge_unexplained(double share) {
   if (unexplained_count_ >= 4) {
     const double before = *std::max_element(unexplained_.begin(), unexplained_.end());
     const double usual = std::max(before, kUnexplainedUsual);
-    if (share > kUnexplained && share > kUnexplainedStir * usual) since_jump_ = 0;
-    if (share > kUnexplained && share > kUnexplainedJump * usual) {
+    const double least = kUnexplained + kUnexplainedTurn * std::max(fastest_ - kSharpTurn, 0.0);
+    if (share > least && share > kUnexplainedStir * usual) since_jump_ = 0;
+    if (share > least && share > kUnexplainedJump * usual) {
       raise(fmt::format(
           "{:.0f} % of what was seen a moment ago is not where the motion of the run puts it, usually {:.0f} "
           "%: a piece of the data is missing, or the sensor was moved",
@@ -191,6 +196,7 @@ void Monitor::judge_unexplained(double share) {
     }
   }
   unexplained_[static_cast<std::size_t>(unexplained_count_++ % 4)] = share;
+  fastest_ = 0;
 }
 
 // eq. MON-3.
