@@ -135,22 +135,19 @@ TEST_CASE("a run that goes wrong in any way is a row with its reason, and the st
       {"good", "ok: "},
       {"degraded", "degraded: "}};
   std::vector<std::string> names;
-  for (const auto& [name, outcome] : expected) names.push_back(name);
+  for (const auto& row : expected) names.push_back(row.first);
   const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\n" + methods(names) +
                                  "metrics: [ate_m]\ntime_limit: 5\nmemory_limit: 200\n");
   Quiet monitor;
   const StudyResult result = run_study(study, options(files.folder / "out"), monitor);
-  INFO(monitor.lines);
-  REQUIRE(result.rows.size() == expected.size());
   CHECK(result.failures() == 10);
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    INFO(expected[i].first);
-    REQUIRE(result.rows[i].has_value());
-    CHECK(result.rows[i]->outcome.status + ": " + result.rows[i]->outcome.reason == expected[i].second);
+    const auto& [name, outcome] = expected[i];
+    const StudyOutcome found = result.rows.at(i).value().outcome;
+    CHECK(name + " " + found.status + ": " + found.reason == name + " " + outcome);
   }
-  CHECK_THAT(
-      content(files.folder / "out/table.md"),
-      Contains("| scene_a | x | x | x | x | x | x | x | x | x | x | 0.") && Contains("| scene_a_1 | liar | failed |"));
+  const std::string table = content(files.folder / "out/table.md");
+  CHECK_THAT(table, Contains("| x | x | x | x | x | x | x | 0.") && Contains("| scene_a_1 | liar | failed |"));
   // Nothing that a run has started outlives it.
   const pid_t left = std::stoi(content(files.folder / "out/runs/scene_a_1/forks/left_behind.txt"));
   for (int i = 0; i < 200 && ::kill(left, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));

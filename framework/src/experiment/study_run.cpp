@@ -370,8 +370,7 @@ class Schedule {
     const StudyOutcome outcome = judge_run(end, ended.folder, ended.log, study_.config);
     std::error_code error;
     // Ended because we asked it to, or by the Ctrl-C that we shall hear of in a moment.
-    const bool ended_well = outcome.status == "ok" || outcome.status == "degraded";
-    if (outcome.status == "interrupted" || (result_.interrupted && !ended_well)) {
+    if (outcome.status == "interrupted" || (result_.interrupted && !outcome.good())) {
       fs::remove_all(ended.folder, error);
       states_[i] = RunState::waiting;
       if (!result_.interrupted) stop();

@@ -19,6 +19,8 @@ struct StudyOutcome {
   bool final = false;  ///< another run would end in the same way, under the same limits
   double limit = 0;    ///< of `timeout` and `memory`: that of the study [s, MB]
 
+  /// Neither failed nor diverged.
+  bool good() const { return status == "ok" || status == "degraded"; }
   /// Whether another call keeps it: it is final, and what it met is a limit still.
   bool stands(const StudyConfig& config) const;
 };
@@ -29,7 +31,7 @@ struct StudyRow {
   std::vector<std::pair<std::string, double>> figures;  ///< those there are, in the order of summary.json
 
   /// Neither failed nor diverged.
-  bool good() const { return outcome.status == "ok" || outcome.status == "degraded"; }
+  bool good() const { return outcome.good(); }
   std::optional<double> figure(std::string_view name) const;
 };
 

@@ -111,7 +111,7 @@ class Monitor {
   int view_count_ = 0;
   std::array<double, 4> unexplained_{};
   int unexplained_count_ = 0;
-  double fastest_ = 0;  ///< turn rate since the last slot [rad/s]
+  double fastest_ = 0;       ///< turn rate since the last slot [rad/s]
   double since_jump_ = 1e9;  ///< [s] of the last jump of the view
   bool doubted_ = false;     ///< something stood in for the gyro since begin()
   /// [s] without a break.
