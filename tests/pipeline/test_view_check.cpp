@@ -51,7 +51,7 @@ class Motion final : public TrajectoryModel {
 
 /// Largest share after `after` s of 2 s of data, in windows of `window`; -1: none was found.
 double worst(const Motion& truth, const Motion& believed, TimeNs window, double after, double view_deg = 180,
-             SensorModel sensor = {}) {
+             const SensorModel& sensor = {}) {
   ViewCheck check(sensor);
   std::mt19937 engine(101);
   const auto uniform = [&](double a, double b) { return a + (b - a) * static_cast<double>(engine() % 100'000) / 1e5; };
