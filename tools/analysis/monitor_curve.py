@@ -37,7 +37,8 @@ def replayed(rows, factor):
         if view and row["view_jump"] > VIEW_STIR * factor:
             stirred = 0.0
         alarm = view and row["view_jump"] > VIEW * factor
-        if row["unexplained"] >= 0:  # -1: no slot ended here
+        # The turn rate is not in the file: in sharp turns the run asks for more (MON-6). -1: no slot ended here.
+        if row["unexplained"] >= 0:
             share, usual = row["unexplained"], max([UNEXPLAINED_USUAL, *shares[-4:]])
             if len(shares) >= 4 and share > UNEXPLAINED:
                 stirred = 0.0 if share > UNEXPLAINED_STIR * factor * usual else stirred
