@@ -45,7 +45,7 @@ StudyOutcome judge_exit(const ChildEnd& end, const fs::path& folder, const fs::p
   if (std::find(kStatuses.begin(), kStatuses.end(), summary->status) == kStatuses.end()) {
     return failed(fmt::format("its summary.json has the unknown status '{}'", summary->status));
   }
-  const bool good = summary->status == "ok" || summary->status == "degraded";
+  const bool good = summary->good();
   if (good && end.code == kBadDataExit) {
     // It ran, and there is nothing to compare it by.
     return failed("it could not be measured: " + (summary->reason.empty() ? exit_text(end, log) : summary->reason));
