@@ -32,7 +32,7 @@ TEST_CASE("a run leaves its files, with the columns that are documented") {
         "extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,"
         "gyro_rms_rad_s,prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw,segment,"
         "nis,matched_share,fit_rise,nis_rise,match_loss,overlap_loss,velocity_pull_mps2,turn_pull_rad_s,"
-        "velocity_pull_rise,turn_pull_rise,misfit,gyro_mismatch,view_change,view_jump,unexplained,alarm");
+        "velocity_pull_rise,turn_pull_rise,misfit,gyro_mismatch,mount,view_change,view_jump,unexplained,alarm");
   const auto poses = io::read_tum(out / "trajectory.tum");
   const auto stamps = column(out / "updates.csv", "t_ns");
   REQUIRE(poses.size() == stamps.size());

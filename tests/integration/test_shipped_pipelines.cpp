@@ -11,6 +11,7 @@
 #include "integration/recorded_scene.hpp"
 #include "pipeline/runs.hpp"
 #include "plugins/estimators/room.hpp"
+#include "shipped_names.hpp"
 
 using namespace aslio;
 using namespace aslio::test;
@@ -36,15 +37,6 @@ Bound bound_of(const std::string& name) {
 bool uses_imu(const std::string& name) {
   BuildEnvironment environment;
   return shipped(name).estimator.make(environment.context())->uses_imu();
-}
-
-std::vector<std::string> shipped_names() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(ASLIO_SOURCE_DIR "/configs/pipelines")) {
-    names.push_back(entry.path().stem());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
 }
 
 /// What a pipeline without IMU does on the quickstart scene today, with room for other roundings.

@@ -61,7 +61,7 @@ std::vector<UpdateCost> read_costs(const fs::path& csv) {
 
 RecordedRun run(const std::string& pipeline, int threads, const fs::path& input, const char* sensor,
                 const fs::path& reference, const std::vector<std::string>& overrides = {},
-                std::uint64_t order_seed = 0) {
+                std::uint64_t order_seed = 0, double start_s = 0) {
   const fs::path configs = fs::path(ASLIO_SOURCE_DIR) / "configs";
   // Tests of one folder may run at once.
   const fs::path output =
@@ -75,6 +75,7 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
   options.reference = reference;
   options.overrides = overrides;
   options.order_seed = order_seed;
+  options.section.start = start_s;
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   Unwatched monitor;
@@ -99,6 +100,11 @@ RecordedRun run_on_avia(const std::string& pipeline, int threads, const std::vec
 
 RecordedRun run_on_kitti(const std::string& pipeline, int threads, const std::string& reference) {
   return run(pipeline, threads, unpacked_kitti(), "kitti_hdl64.yaml", recorded(reference));
+}
+
+RecordedRun run_on_moving_kitti(const std::string& pipeline, double start_s) {
+  return run(pipeline, 1, unpacked_kitti("0013"), "kitti_hdl64.yaml", recorded("reference/kitti_0013/oxts.tum"), {}, 0,
+             start_s);
 }
 
 }  // namespace aslio::test

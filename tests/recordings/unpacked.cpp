@@ -53,12 +53,12 @@ fs::path unpacked_avia() {
   return bag;
 }
 
-fs::path unpacked_kitti() {
+fs::path unpacked_kitti(const std::string& drive) {
   const Lock lock;
-  const fs::path root = kUnpacked / "kitti", part = kUnpacked / "kitti.part";
+  const fs::path root = kUnpacked / ("kitti_" + drive), part = kUnpacked / ("kitti_" + drive + ".part");
   if (fs::exists(root)) return root;
   fs::create_directories(part);
-  run("python3 '" + recorded("unpack_kitti.py").string() + "' '" + part.string() + "' > '" +
+  run("python3 '" + recorded("unpack_kitti.py").string() + "' '" + part.string() + "' " + drive + " > '" +
       (kUnpacked / "unpack.log").string() + "'");
   fs::rename(part, root);
   return root;

@@ -2,6 +2,7 @@
 /// The recordings of ASLIO_RECORDINGS_DIR, unpacked once into the build folder and shared by all tests.
 
 #include <filesystem>
+#include <string>
 
 namespace aslio::test {
 
@@ -11,7 +12,7 @@ std::filesystem::path recorded(const std::filesystem::path& name);
 /// The bag of avia_corridor. Both throw std::runtime_error when the recording is missing or cannot be unpacked, and may
 /// be called by several processes at once.
 std::filesystem::path unpacked_avia();
-/// Root folder of the KITTI raw drive 2011_09_26_0005.
-std::filesystem::path unpacked_kitti();
+/// Root folder of a KITTI raw drive of 2011_09_26: "0005", or "0013" (its first 60 scans).
+std::filesystem::path unpacked_kitti(const std::string& drive = "0005");
 
 }  // namespace aslio::test

@@ -49,7 +49,7 @@ def replayed(rows, factor):
             rout = row["misfit"] + 0.5 * max(row["overlap_loss"], 0.0) + max(row["match_loss"], 0.0)
             routed = routed + row["dt"] if rout > factor * ROUT else 0.0
             torn = torn + row["dt"] if row["velocity_pull"] > factor * TEAR else 0.0
-            alarm = alarm or max(held, routed, torn) > HOLD or row["gyro_mismatch"] > factor * MISMATCH
+            alarm = alarm or max(held, routed, torn) > HOLD or row["gyro_mismatch"] > factor * MISMATCH or row["mount"] > factor
         if alarm and segment != row["segment"]:
             out.append(row["t"])
             segment = row["segment"]

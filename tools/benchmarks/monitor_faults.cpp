@@ -110,7 +110,7 @@ class Dump final : public pipeline::UpdateObserver {
       : out_(path), truth_(truth), fault_(fault), begin_(begin), aligned_at_(std::min(fault.at, begin + 2 * kSecond)) {
     if (fault.in_data()) aligned_at_ = fault.at;
     out_ << "t,dt,accepted,segment,tracking,error_m,path_m,fit_rise,match_loss,overlap_loss,pull_rise,misfit"
-            ",velocity_pull,gyro_mismatch,view_change,view_jump,unexplained,alarm\n";
+            ",velocity_pull,gyro_mismatch,mount,view_change,view_jump,unexplained,alarm\n";
   }
 
   void on_update(const pipeline::UpdateRecord& r) override {
@@ -129,10 +129,10 @@ class Dump final : public pipeline::UpdateObserver {
     const pipeline::MonitorSignals& m = r.monitor;
     out_ << fmt::format(
         "{:.3f},{:.4f},{},{},{},{:.3f},{:.2f},{:.3f},{:.3f},{:.3f},{:.2f},{:.3f},{:.2f},{:.3f},{:.3f},"
-        "{:.2f},{:.3f},{}\n",
+        "{:.3f},{:.2f},{:.3f},{}\n",
         to_seconds(r.plan.end - begin_), to_seconds(r.plan.end - r.plan.fresh_begin), r.update->accepted ? 1 : 0,
         r.segment, pipeline::name(r.tracking), error, path_, m.fit_rise, m.match_loss, m.overlap_loss,
-        std::max(m.velocity_pull_rise, m.turn_pull_rise), m.misfit, m.velocity_pull, m.gyro_mismatch, m.view_change,
+        std::max(m.velocity_pull_rise, m.turn_pull_rise), m.misfit, m.velocity_pull, m.gyro_mismatch, m.mount, m.view_change,
         m.view_jump, std::isfinite(m.unexplained) ? m.unexplained : -1.0, m.alarm ? 1 : 0);
   }
 

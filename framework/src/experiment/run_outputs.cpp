@@ -45,7 +45,7 @@ std::string updates_header() {
          ",digest,extended,partial,n_fresh_matches,n_history_matches,residual_rms_m,inserted,tracking,gyro_rms_rad_s"
          ",prior_x,prior_y,prior_z,prior_qx,prior_qy,prior_qz,prior_qw,segment"
          ",nis,matched_share,fit_rise,nis_rise,match_loss,overlap_loss,velocity_pull_mps2,turn_pull_rad_s"
-         ",velocity_pull_rise,turn_pull_rise,misfit,gyro_mismatch,view_change,view_jump,unexplained,alarm\n";
+         ",velocity_pull_rise,turn_pull_rise,misfit,gyro_mismatch,mount,view_change,view_jump,unexplained,alarm\n";
 }
 
 std::string updates_line(const pipeline::UpdateRecord& record) {
@@ -81,7 +81,7 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
   fmt::format_to(out, ",{}", record.segment);
   for (const double value :
        {m.nis, m.matched, m.fit_rise, m.nis_rise, m.match_loss, m.overlap_loss, m.velocity_pull, m.turn_pull,
-        m.velocity_pull_rise, m.turn_pull_rise, m.misfit, m.gyro_mismatch, m.view_change, m.view_jump, m.unexplained}) {
+        m.velocity_pull_rise, m.turn_pull_rise, m.misfit, m.gyro_mismatch, m.mount, m.view_change, m.view_jump, m.unexplained}) {
     line += ',';
     if (std::isfinite(value)) fmt::format_to(out, "{:.5g}", value);
   }

@@ -98,6 +98,7 @@ void Monitor::begin(bool uses_imu) {
   uses_imu_ = uses_imu;
   view_.forget();
   check_.forget();
+  mount_ = {};
   signals_ = {};
   alarm_.reset();
   age_ = misfit_for_ = rout_for_ = implausible_for_ = torn_for_ = 0;
@@ -117,7 +118,10 @@ const MonitorSignals& Monitor::observe(const Window& window, const Update& updat
   alarm_.reset();
   measure_view(window, update, bridged);
   judge_gap(window, update);
-  if (!update.accepted || update.restart_map) return signals_;
+  if (!update.accepted || update.restart_map) {
+    mount_.interrupt();
+    return signals_;
+  }
   const double dt = length(window);
   measure_fit(update, overlap, dt);
   measure_pull(window, update, dt, bridged);
@@ -202,6 +206,7 @@ void Monitor::judge_unexplained(double share) {
 // eq. MON-3.
 void Monitor::measure_pull(const Window& window, const Update& update, double dt, bool bridged) {
   if (bridged) {  // it was predicted from its own points
+    mount_.interrupt();
     velocity_.now = turn_.now = {};
     return;
   }
@@ -216,12 +221,16 @@ void Monitor::measure_pull(const Window& window, const Update& update, double dt
   for (const ImuSample& s : window.imu) faults |= s.faults;
   const bool dead = (faults & imu_fault::gyro_dead) != 0;
   doubted_ = doubted_ || dead;
-  if (!uses_imu_ || window.imu.size() < 2 || window.imu_gap > 0) return;
-  if (faults != 0 && !dead) return;  // an axis at the end of its range is known to be wrong
+  if (!uses_imu_ || window.imu.size() < 2 || window.imu_gap > 0 || (faults != 0 && !dead)) {
+    mount_.interrupt();  // an axis at the end of its range is known to be wrong
+    return;
+  }
   const Vec3 measured = measured_turn(window.imu);
   contradicted_.add(turn * measured.transpose() / (dt * dt), dt, kUsual);
   turned_.add(measured.squaredNorm() / (dt * dt), dt, kUsual);
   if (turned_.value > kTurnEnough) signals_.gyro_mismatch = contradicted_.value.norm() / turned_.value;
+  mount_.add(turn, measured, dt);
+  signals_.mount = mount_.contradiction();
 }
 
 // eq. MON-3.
@@ -252,6 +261,13 @@ void Monitor::judge(double dt) {
               : fmt::format("the points contradict {:.0f} % of the turn that the gyro measures: implausible: check "
                             "T_imu_lidar, gyro_unit",
                             share));
+  }
+  if (signals_.mount > 1.0) {
+    const Vec3& axis = mount_.axis();
+    raise(
+        fmt::format("the points contradict {:.0f} % of the turn about ({:.1f}, {:.1f}, {:.1f}) that the gyro measures: "
+                    "implausible: check the rotation of T_imu_lidar",
+                    100 * mount_.share(), axis.x(), axis.y(), axis.z()));
   }
 }
 

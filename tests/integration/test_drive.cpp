@@ -1,0 +1,53 @@
+// A simulated car that is under way from the first sample on: configs/scenes/drive_city.yaml, drive_highway.yaml.
+#include <catch2/catch.hpp>
+
+#include "aslio/evaluation/evaluation.hpp"
+#include "aslio/simulator/simulation.hpp"
+#include "integration/recorded_scene.hpp"
+
+using namespace aslio;
+using namespace aslio::test;
+
+namespace {
+
+struct Drive {
+  Drive(const std::string& scene, const std::vector<std::string>& overrides, double duration)
+      : simulation(simulator::load_scene(ASLIO_SOURCE_DIR "/configs/scenes/" + scene + ".yaml", overrides),
+                   {.seed = 111}),
+        recording(record(simulation, duration)),
+        truth(simulation.truth()) {}
+  simulator::Simulation simulation;
+  Recording recording;
+  Trajectory truth;
+};
+
+}  // namespace
+
+TEST_CASE("drive: a car in a city is followed from 8 m/s on, with and without adaptation") {
+  const Drive drive("drive_city", {"lidar.columns=400"}, 10.0);
+  for (const char* pipeline : {"as_lio", "as_lio_fast", "fixed_window"}) {
+    Run run(shipped(pipeline), drive.simulation.claimed_sensor());
+    run.play(drive.recording);
+    const evaluation::Evaluation error = evaluation::evaluate(run.trajectory(), drive.truth);
+    CAPTURE(pipeline, error.ate.translation.rmse);
+    CHECK_FALSE(run.odometry.divergence());
+    CHECK(run.odometry.losses().empty());
+    CHECK(error.ate.translation.rmse < 0.1);
+  }
+}
+
+TEST_CASE("drive: between guard rails at 30 m/s with an IMU of 10 Hz, a run is right or says that it is not") {
+  const Drive drive("drive_highway", {"lidar.columns=400"}, 8.0);
+  REQUIRE(drive.simulation.motion().at(0).v.norm() > 20.0);
+  for (const char* pipeline : {"as_lio", "fixed_window", "fast_lio2", "kiss_icp"}) {
+    Run run(shipped(pipeline), drive.simulation.claimed_sensor());
+    run.play(drive.recording);
+    const bool silent = run.odometry.losses().empty() && !run.odometry.divergence() &&
+                        run.odometry.tracking() == pipeline::TrackingStatus::ok && run.odometry.initialisation() &&
+                        run.odometry.initialisation()->doubt.empty();
+    CAPTURE(pipeline, run.updates.size());
+    if (!silent) continue;
+    const evaluation::Evaluation error = evaluation::evaluate(run.trajectory(), drive.truth);
+    CHECK(error.ate.translation.rmse < 2.4);  // 1 % of 240 m
+  }
+}
