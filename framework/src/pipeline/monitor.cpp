@@ -206,7 +206,7 @@ void Monitor::judge_unexplained(double share) {
 // eq. MON-3.
 void Monitor::measure_pull(const Window& window, const Update& update, double dt, bool bridged) {
   if (bridged) {  // it was predicted from its own points
-    mount_.interrupt();
+    mount_ = {};
     velocity_.now = turn_.now = {};
     return;
   }
@@ -221,15 +221,15 @@ void Monitor::measure_pull(const Window& window, const Update& update, double dt
   for (const ImuSample& s : window.imu) faults |= s.faults;
   const bool dead = (faults & imu_fault::gyro_dead) != 0;
   doubted_ = doubted_ || dead;
-  if (!uses_imu_ || window.imu.size() < 2 || window.imu_gap > 0 || (faults != 0 && !dead)) {
-    mount_.interrupt();  // an axis at the end of its range is known to be wrong
-    return;
-  }
+  // What stands in for the gyro, and the corrections that mend it later, say nothing of the mounting.
+  if (!uses_imu_ || window.imu_gap > 0 || faults != 0) mount_ = {};
+  if (!uses_imu_ || window.imu.size() < 2 || window.imu_gap > 0) return;
+  if (faults != 0 && !dead) return;  // an axis at the end of its range is known to be wrong
   const Vec3 measured = measured_turn(window.imu);
   contradicted_.add(turn * measured.transpose() / (dt * dt), dt, kUsual);
   turned_.add(measured.squaredNorm() / (dt * dt), dt, kUsual);
   if (turned_.value > kTurnEnough) signals_.gyro_mismatch = contradicted_.value.norm() / turned_.value;
-  mount_.add(turn, measured, dt);
+  if (faults == 0) mount_.add(turn, measured, dt);
   signals_.mount = mount_.contradiction();
 }
 
