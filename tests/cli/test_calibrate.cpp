@@ -201,7 +201,7 @@ TEST_CASE(
              "walk: {speed: 2, corner_speed: 1.5, standstill: 1}\n");
   REQUIRE(run_aslio({"simulate", folder / "room.yaml", "--output", folder / "data", "--quiet"}).code == 0);
   const auto run = [&](const std::string& output, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"run",       ASLIO_SOURCE_DIR "/configs/pipelines/as_lio.yaml",
+    std::vector<std::string> arguments = {"run",       ASLIO_SOURCE_DIR "/configs/pipelines/as_lio_plus.yaml",
                                           "--dataset", folder / "data",
                                           "--output",  folder / output};
     arguments.insert(arguments.end(), more.begin(), more.end());

@@ -55,7 +55,7 @@ std::size_t refusals(const plugin::Catalog& catalog, const std::string& value) {
 TEST_CASE("AS-LIO and its baseline differ in the window and history blocks only") {
   plugin::Catalog catalog;
   plugins::register_all(catalog);
-  const auto differences = config::diff(resolved(catalog, "as_lio.yaml"), resolved(catalog, "fixed_window.yaml"));
+  const auto differences = config::diff(resolved(catalog, "as_lio_plus.yaml"), resolved(catalog, "fixed_window.yaml"));
   std::set<std::string> blocks;
   for (const config::Difference& d : differences) blocks.insert(d.path.substr(0, d.path.find('.')));
   CHECK(blocks == std::set<std::string>{"history", "window"});
@@ -64,7 +64,7 @@ TEST_CASE("AS-LIO and its baseline differ in the window and history blocks only"
 TEST_CASE("The defaults that a shipped pipeline leaves out lie in their own ranges") {
   plugin::Catalog catalog;
   plugins::register_all(catalog);
-  const std::string written = resolved(catalog, "as_lio.yaml");
+  const std::string written = resolved(catalog, "as_lio_plus.yaml");
   // Reading the resolved text checks the ranges of every default that the file leaves out.
   CHECK(
       config::parse<pipeline::PipelineConfig>(written, "resolved.yaml", config::FileKind::pipeline, catalog).resolved ==

@@ -23,7 +23,7 @@ std::string text_of(const std::string& rule) {
          "}]\ndatasets:\n"
          "  - {scene: scene_a.yaml, seeds: 1-2, name: a}\n  - {scene: scene_b.yaml, seeds: 1-2, name: b}\n"
          "  - {scene: scene_b.yaml, seeds: 3-4, name: c}\nmethods:\n" +
-         method("fixed", "fixed_window") + method("other", "as_lio", "differs: [window, history]") +
+         method("fixed", "fixed_window") + method("other", "as_lio_plus", "differs: [window, history]") +
          "baseline: fixed\n";
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("an expectation that cannot be judged is refused with its place") {
   const std::string apart = head() +
                             "expectation: [{method: b, against: a, lower_on: most pairs}]\n"
                             "datasets: [{scene: scene_a.yaml}]\nmethods:\n" +
-                            method("a", "fixed_window") + method("b", "as_lio", "differs: [window]");
+                            method("a", "fixed_window") + method("b", "as_lio_plus", "differs: [window]");
   CHECK_THAT(files.complaint(apart),
              Contains("study.yaml:5:") && Contains("add to the `differs`") && Contains("history"));
 }

@@ -124,7 +124,7 @@ TEST_CASE("a simulation that fails is the reason of every run that needed it") {
              "schema: aslio/scene/1\nworld: {type: mesh, file: mesh.obj}\n"
              "route: [{x: 1900, y: 0}, {x: 1910, y: 0}, {x: 1910, y: 10}, {x: 1900, y: 10}]\n");
   write_text(folder / "study.yaml", head() + "datasets: [{scene: scene.yaml}]\nmethods:\n" +
-                                        method("fixed", "fixed_window") + method("as_lio", "as_lio"));
+                                        method("fixed", "fixed_window") + method("as_lio_plus", "as_lio_plus"));
   const Ended ended = run_aslio({"experiment", folder / "study.yaml", "--output", folder / "out"});
   INFO(ended.err);
   CHECK(ended.code == 1);

@@ -100,15 +100,15 @@ TEST_CASE("the seed stands for its placeholder in what a scene sets, and each re
 TEST_CASE("axes make a grid over all methods, the last axis fastest") {
   const StudyFiles files;
   const Study study =
-      files.load(head() + kData + "methods:\n" + method("fixed", "fixed_window") + method("as_lio", "as_lio") +
+      files.load(head() + kData + "methods:\n" + method("fixed", "fixed_window") + method("as_lio_plus", "as_lio_plus") +
                  "vary:\n  - {path: overlap.voxel, values: [0.1, 0.2]}\n"
                  "  - {path: estimator.noise, values: [fastlio, physical]}\n"
                  "baseline: fixed\ndiffers: [window, history]\n");
   CHECK(names(study.methods) ==
         std::vector<std::string>{"fixed_voxel_0.1_noise_fastlio", "fixed_voxel_0.1_noise_physical",
                                  "fixed_voxel_0.2_noise_fastlio", "fixed_voxel_0.2_noise_physical",
-                                 "as_lio_voxel_0.1_noise_fastlio", "as_lio_voxel_0.1_noise_physical",
-                                 "as_lio_voxel_0.2_noise_fastlio", "as_lio_voxel_0.2_noise_physical"});
+                                 "as_lio_plus_voxel_0.1_noise_fastlio", "as_lio_plus_voxel_0.1_noise_physical",
+                                 "as_lio_plus_voxel_0.2_noise_fastlio", "as_lio_plus_voxel_0.2_noise_physical"});
   CHECK(study.axes == std::vector<std::string>{"overlap.voxel", "estimator.noise"});
   CHECK(study.methods[6].axes == std::vector<std::string>{"0.2", "fastlio"});
   CHECK_THAT(study.methods[6].resolved, Contains("voxel: 0.2") && Contains("noise: fastlio"));
@@ -137,13 +137,13 @@ TEST_CASE("what is wrong in a study is told with its place and a remedy") {
       {head() + "datasets: [{scene: scene_a.yaml}, {scene: scene_a.yaml}]\n" + one,
        {"study.yaml:5:35", "both make the data 'scene_a_1'", "another name"}},
       {head() + "datasets: [{scene: scene_a.yaml, name: ../x}]\n" + one, {"study.yaml:5:40", "'../x_1' is no name"}},
-      {head() + kData + one + method("fixed", "as_lio"), {"study.yaml:8:12", "'fixed' is the name of two methods"}},
-      {head() + kData + "methods:\n" + method("a b", "as_lio"), {"study.yaml:7:12", "'a b' is no name"}},
+      {head() + kData + one + method("fixed", "as_lio_plus"), {"study.yaml:8:12", "'fixed' is the name of two methods"}},
+      {head() + kData + "methods:\n" + method("a b", "as_lio_plus"), {"study.yaml:7:12", "'a b' is no name"}},
       {head() + kData + "methods: [{name: a, pipeline: gone.yaml}]\n",
        {"study.yaml:6:31", "gone.yaml: cannot be opened"}},
-      {head() + kData + "methods:\n" + method("a", "as_lio", "set: {window.perod: 1}"),
+      {head() + kData + "methods:\n" + method("a", "as_lio_plus", "set: {window.perod: 1}"),
        {"study.yaml:7:", "method 'a'", "window.perod"}},
-      {head() + kData + "methods:\n" + method("a", "as_lio", "set: [1]"),
+      {head() + kData + "methods:\n" + method("a", "as_lio_plus", "set: [1]"),
        {"study.yaml:7:", "must be a block of dotted paths"}},
       {head() + kData + one + "vary: [{path: overlap.voxel, values: []}]\n",
        {"study.yaml:8:", "must be a list of values"}},
@@ -189,10 +189,10 @@ TEST_CASE("a pattern of datasets is all that it matches, in order") {
 TEST_CASE("names that would mix what belongs apart are refused") {
   const StudyFiles files;
   const std::string orders = head() + kData + "order_seeds: [0, 1]\nmethods:\n" + method("a", "fixed_window");
-  CHECK_THAT(files.complaint(orders + method("a_order_1", "as_lio")),
+  CHECK_THAT(files.complaint(orders + method("a_order_1", "as_lio_plus")),
              Contains("study.yaml:9:12") && Contains("'a_order_1' with order seed 0 and 'a' with order seed 1") &&
                  Contains("folder 'a_order_1': name one of them otherwise"));
-  CHECK(files.complaint(orders + method("a_order_2", "as_lio")).empty());
+  CHECK(files.complaint(orders + method("a_order_2", "as_lio_plus")).empty());
   const std::string one = "methods:\n" + method("a", "fixed_window");
   const auto data = [&](const std::string& first, const std::string& second) {
     return head() + "datasets: [{scene: scene_a.yaml, name: s}, {" + first + ", seeds: 2, name: s" + second + "}]\n" +
@@ -208,8 +208,8 @@ TEST_CASE("names that would mix what belongs apart are refused") {
 TEST_CASE("stages that do not fit each other, or a schedule that is not there, are told before anything runs") {
   const StudyFiles files;
   const auto complaint = [&](const std::string& set) {
-    return files.complaint(head() + kData + "methods:\n" + method("a", "as_lio") +
-                           method("b", "as_lio", "set: {" + set + "}"));
+    return files.complaint(head() + kData + "methods:\n" + method("a", "as_lio_plus") +
+                           method("b", "as_lio_plus", "set: {" + set + "}"));
   };
   struct Case {
     std::string set;
@@ -217,7 +217,7 @@ TEST_CASE("stages that do not fit each other, or a schedule that is not there, a
   };
   const std::vector<Case> cases = {
       {"map: {type: ikd_tree}", {"--set map={type: ikd_tree}: map: 'ikd_tree' holds points", "planes to 'neighbours'"}},
-      {"estimator.residual.planes: neighbours", {"as_lio.yaml:", "map: 'staggered_planes' holds surfaces"}},
+      {"estimator.residual.planes: neighbours", {"as_lio_plus.yaml:", "map: 'staggered_planes' holds surfaces"}},
       {"insertion: cell_nearest", {"--set insertion=cell_nearest: insertion: 'cell_nearest'", "on_exit"}},
       {"window: {type: replay, file: gone.csv}", {"window: gone.csv: cannot open the schedule"}}};
   for (const Case& wrong : cases) {
@@ -236,7 +236,7 @@ TEST_CASE("stages that do not fit each other, or a schedule that is not there, a
 TEST_CASE("an error of several lines in a file that is named stays one line each") {
   const StudyFiles files;
   const std::string complaint =
-      files.complaint(head() + kData + "methods:\n" + method("a", "as_lio", "set: {window.perod: 1, map.voxl: 2}"));
+      files.complaint(head() + kData + "methods:\n" + method("a", "as_lio_plus", "set: {window.perod: 1, map.voxl: 2}"));
   INFO(complaint);
   CHECK_THAT(complaint, Contains("voxl") && Contains("perod") && !Contains("\\x0a"));
   CHECK(std::count(complaint.begin(), complaint.end(), '\n') == 1);
@@ -245,16 +245,16 @@ TEST_CASE("an error of several lines in a file that is named stays one line each
 TEST_CASE("a placeholder names a method that stands before it") {
   const StudyFiles files;
   const std::string replay =
-      method("shifted", "as_lio", "set: {window: {type: replay, file: '{run:as_lio}/updates.csv'}}");
-  const std::string good = head() + kData + "methods:\n" + method("as_lio", "as_lio") + replay;
+      method("shifted", "as_lio_plus", "set: {window: {type: replay, file: '{run:as_lio_plus}/updates.csv'}}");
+  const std::string good = head() + kData + "methods:\n" + method("as_lio_plus", "as_lio_plus") + replay;
   const Study study = files.load(good);
   REQUIRE(study.methods[1].uses.size() == 1);
-  CHECK(study.methods[1].uses[0] == std::pair<std::string, std::size_t>("as_lio", 0));
+  CHECK(study.methods[1].uses[0] == std::pair<std::string, std::size_t>("as_lio_plus", 0));
   // With axes, the run at the same values is meant.
   const Study varied = files.load(good + "vary: [{path: overlap.voxel, values: [0.1, 0.2]}]\n");
   CHECK(varied.methods[3].uses[0].second == 1);
-  CHECK_THAT(files.complaint(head() + kData + "methods:\n" + replay + method("as_lio", "as_lio")),
-             Contains("study.yaml:7:") && Contains("{run:as_lio}: no method of that name stands before 'shifted'"));
+  CHECK_THAT(files.complaint(head() + kData + "methods:\n" + replay + method("as_lio_plus", "as_lio_plus")),
+             Contains("study.yaml:7:") && Contains("{run:as_lio_plus}: no method of that name stands before 'shifted'"));
 }
 
 TEST_CASE("an axis is a path with values, paths in step, or a list of named points") {
@@ -289,57 +289,57 @@ TEST_CASE("a comparison may differ in what the study names, and in nothing else"
   CHECK(files.complaint(fixed + method("slow", "fixed_window", "set: {window.period: 0.2}")).empty());
   // By another pipeline file, whether nothing or not all of it is stated: refused, with the line that says it.
   for (const char* stated : {"", "differs: [window]"}) {
-    const std::string complaint = files.complaint(fixed + method("other", "as_lio", stated));
+    const std::string complaint = files.complaint(fixed + method("other", "as_lio_plus", stated));
     INFO(complaint);
     CHECK_THAT(complaint, Contains("study.yaml:9:") && Contains("'other' differs from the baseline 'fixed'") &&
                               Contains("or say so: differs: [") && Contains("history"));
     CHECK((complaint.find("window") == std::string::npos) == (*stated != '\0'));
   }
   // A key inside a block does not name the other type of the block; the block and its type do.
-  CHECK_THAT(files.complaint(fixed + method("other", "as_lio", "set: {window.seg_step: 0.05}, differs: [history]")),
+  CHECK_THAT(files.complaint(fixed + method("other", "as_lio_plus", "set: {window.seg_step: 0.05}, differs: [history]")),
              Contains("or say so: differs: [window]"));
-  CHECK_THAT(files.complaint(fixed + method("other", "as_lio", "differs: [window.seg_step, history.type]")),
+  CHECK_THAT(files.complaint(fixed + method("other", "as_lio_plus", "differs: [window.seg_step, history.type]")),
              Contains("or say so: differs: [window]"));
-  CHECK(files.complaint(fixed + method("other", "as_lio", "differs: [window.type, history.type]")).empty());
+  CHECK(files.complaint(fixed + method("other", "as_lio_plus", "differs: [window.type, history.type]")).empty());
   // Stated in full, by the method or for all of them.
   const std::string all = "differs: [window, history]";
-  const Study stated = files.load(fixed + method("other", "as_lio", all));
+  const Study stated = files.load(fixed + method("other", "as_lio_plus", all));
   CHECK(unnamed_keys(stated.methods[1], stated.methods[0]).empty());
-  CHECK(files.complaint(fixed + method("other", "as_lio") + all + "\n").empty());
+  CHECK(files.complaint(fixed + method("other", "as_lio_plus") + all + "\n").empty());
 }
 
 TEST_CASE("differs names keys and blocks that there are") {
   const StudyFiles files;
   const std::string fixed = head() + kData + "baseline: fixed\nmethods:\n" + method("fixed", "fixed_window");
   const std::string study =
-      files.complaint(fixed + method("other", "as_lio") + "differs: [window, histry, bogus.key]\n");
+      files.complaint(fixed + method("other", "as_lio_plus") + "differs: [window, histry, bogus.key]\n");
   INFO(study);
   CHECK_THAT(study, Contains("study.yaml:10:19: 'differs' names 'histry'") && Contains("(did you mean 'history'?)") &&
                         Contains("study.yaml:10:27: 'differs' names 'bogus.key'") && Contains("give a key or a block"));
   // What it was meant to excuse is told with it.
   CHECK_THAT(study, Contains("or say so: differs: [history]"));
-  const std::string one = files.complaint(fixed + method("other", "as_lio", "differs: [window, history, map.voxl]"));
+  const std::string one = files.complaint(fixed + method("other", "as_lio_plus", "differs: [window, history, map.voxl]"));
   INFO(one);
   CHECK_THAT(one, Contains("study.yaml:9:") && Contains("'map.voxl'") && Contains("(did you mean 'map.voxel'?)"));
   // Keys of either pipeline, elements of lists and what is in them.
   for (const char* there :
        {"window.seg_step", "window.period", "samplers", "samplers.1", "samplers.1.leaf", "map.type"}) {
-    CHECK(files.complaint(fixed + method("other", "as_lio", std::string("differs: [window, history, ") + there + "]"))
+    CHECK(files.complaint(fixed + method("other", "as_lio_plus", std::string("differs: [window, history, ") + there + "]"))
               .empty());
   }
-  CHECK_THAT(files.complaint(fixed + method("other", "as_lio", "differs: [window, history, samplers.9]")),
+  CHECK_THAT(files.complaint(fixed + method("other", "as_lio_plus", "differs: [window, history, samplers.9]")),
              Contains("'samplers.9'"));
 }
 
 TEST_CASE("a method may have a baseline of its own") {
   const StudyFiles files;
   const std::string start = head() + kData + "baseline: fixed\nmethods:\n" + method("fixed", "fixed_window") +
-                            method("as_lio", "as_lio", "differs: [window, history]");
-  const std::string own = method("hard", "as_lio", "set: {window.seg_step: 0.2}, baseline: as_lio");
+                            method("as_lio_plus", "as_lio_plus", "differs: [window, history]");
+  const std::string own = method("hard", "as_lio_plus", "set: {window.seg_step: 0.2}, baseline: as_lio_plus");
   const Study study = files.load(start + own);
   CHECK(study.baseline == std::vector<std::optional<std::size_t>>{std::nullopt, 0, 1});
   const Study varied = files.load(start + own + "vary: [{path: overlap.voxel, values: [0.1, 0.2]}]\n");
   CHECK(varied.baseline[5] == 3);  // at the same values
-  CHECK_THAT(files.complaint(start + method("hard", "as_lio", "set: {window.seg_step: 0.2}, baseline: aslio")),
+  CHECK_THAT(files.complaint(start + method("hard", "as_lio_plus", "set: {window.seg_step: 0.2}, baseline: aslio")),
              Contains("study.yaml:10:") && Contains("'baseline' names no method: 'aslio'"));
 }

@@ -11,11 +11,11 @@ using namespace aslio::experiment;
 
 namespace {
 
-/// Two data x order seeds 0 and 7 x (as_lio, fixed, shifted).
+/// Two data x order seeds 0 and 7 x (as_lio_plus, fixed, shifted).
 std::string plan_text() {
-  return head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\nmethods:\n" + method("as_lio", "as_lio") +
+  return head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\nmethods:\n" + method("as_lio_plus", "as_lio_plus") +
          method("fixed", "fixed_window") +
-         method("shifted", "as_lio", "set: {window: {type: replay, file: '{run:as_lio}/updates.csv', shift: 5}}") +
+         method("shifted", "as_lio_plus", "set: {window: {type: replay, file: '{run:as_lio_plus}/updates.csv', shift: 5}}") +
          "order_seeds: [0, 7]\n";
 }
 
@@ -37,21 +37,21 @@ TEST_CASE("runs come by data, order seed and method, and know the runs they use"
   const auto runs = plan_runs(study, "program");
   REQUIRE(runs.size() == 12);
   CHECK(selection(study, "") ==
-        std::vector<std::string>{"scene_a_1/as_lio", "scene_a_1/fixed", "scene_a_1/shifted", "scene_a_1/as_lio_order_7",
-                                 "scene_a_1/fixed_order_7", "scene_a_1/shifted_order_7", "scene_a_2/as_lio",
-                                 "scene_a_2/fixed", "scene_a_2/shifted", "scene_a_2/as_lio_order_7",
+        std::vector<std::string>{"scene_a_1/as_lio_plus", "scene_a_1/fixed", "scene_a_1/shifted", "scene_a_1/as_lio_plus_order_7",
+                                 "scene_a_1/fixed_order_7", "scene_a_1/shifted_order_7", "scene_a_2/as_lio_plus",
+                                 "scene_a_2/fixed", "scene_a_2/shifted", "scene_a_2/as_lio_plus_order_7",
                                  "scene_a_2/fixed_order_7", "scene_a_2/shifted_order_7"});
   CHECK(runs[11].uses == std::vector<std::size_t>{9});
   CHECK(overrides_of(study, runs, runs[11], "/out put/ru\"ns") ==
         std::vector<std::string>{
-            "window={type: replay, file: \"/out put/ru\\\"ns/scene_a_2/as_lio_order_7/updates.csv\", "
+            "window={type: replay, file: \"/out put/ru\\\"ns/scene_a_2/as_lio_plus_order_7/updates.csv\", "
             "shift: 5}"});
 }
 
 TEST_CASE("the folder of the kept truth stands for its placeholder in every value") {
   const StudyFiles files;
   const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" +
-                                 method("oracle", "as_lio", "set: {window: {type: replay, file: '{data}/a.csv'}}"));
+                                 method("oracle", "as_lio_plus", "set: {window: {type: replay, file: '{data}/a.csv'}}"));
   const auto runs = plan_runs(study, "program");
   CHECK(overrides_of(study, runs, runs[0], "/out put/runs") ==
         std::vector<std::string>{"window={type: replay, file: \"/out put/data/scene_a_2/a.csv\"}"});
@@ -62,7 +62,7 @@ TEST_CASE("a glob selects by data, method or both, with the runs that are used")
   const Study study = files.load(plan_text());
   CHECK(selection(study, "scene_a_2/fix*") == std::vector<std::string>{"scene_a_2/fixed", "scene_a_2/fixed_order_7"});
   CHECK(selection(study, "scene_a_1").size() == 6);
-  CHECK(selection(study, "*_2/shifted") == std::vector<std::string>{"scene_a_2/as_lio", "scene_a_2/shifted"});
+  CHECK(selection(study, "*_2/shifted") == std::vector<std::string>{"scene_a_2/as_lio_plus", "scene_a_2/shifted"});
   CHECK(selection(study, "shifted").size() == 8);
   CHECK(selection(study, "nothing").empty());
   for (const char* some : {"", "shifted", "*_order_7", "scene_a_2"}) CHECK_NOTHROW(require_selection(study, some));
@@ -72,7 +72,7 @@ TEST_CASE("a glob selects by data, method or both, with the runs that are used")
 TEST_CASE("a call for some of the runs leaves the plan of all, and one for none of them is refused") {
   const StudyFiles files;
   const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\nmethods:\n" +
-                                 method("a", "fixed_window") + method("b", "as_lio"));
+                                 method("a", "fixed_window") + method("b", "as_lio_plus"));
   StudyOptions options;
   options.output = files.folder / "out";
   options.program = "program";
@@ -107,8 +107,8 @@ TEST_CASE("the key of a run changes with what the run depends on, and with nothi
   CHECK(keys(replaced(text, "Which?", "Which of them?")) == before);
   CHECK(keys(text, "other program")[0] != before[0]);
 
-  // Another as_lio is another `shifted`, which replays it; `fixed` stays.
-  const auto other = keys(replaced(text, "as_lio.yaml}", "as_lio.yaml, set: {window.seg_step: 0.2}}"));
+  // Another as_lio_plus is another `shifted`, which replays it; `fixed` stays.
+  const auto other = keys(replaced(text, "as_lio_plus.yaml}", "as_lio_plus.yaml, set: {window.seg_step: 0.2}}"));
   CHECK(other[0] != before[0]);
   CHECK(other[1] == before[1]);
   CHECK(other[2] != before[2]);
@@ -122,7 +122,7 @@ TEST_CASE("the key of a run goes with the content of the schedule that it replay
   const auto keys = [&](const std::string& file) {
     const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" +
                                    method("fixed", "fixed_window") +
-                                   method("replayed", "as_lio", "set: {window: {type: replay, file: '" + file + "'}}"));
+                                   method("replayed", "as_lio_plus", "set: {window: {type: replay, file: '" + file + "'}}"));
     std::vector<std::string> out;
     for (const StudyRun& run : plan_runs(study, "program", files.folder / "out/runs")) out.push_back(run.key);
     return out;

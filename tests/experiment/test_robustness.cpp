@@ -264,8 +264,8 @@ TEST_CASE("a finished run whose file another run reads is made again when the fi
   const StudyFiles files;
   const std::string replay = "set: {window: {type: replay, file: '{run:first}/updates.csv'}}";
   const Study study =
-      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio") +
-                 method("shifted", "as_lio", replay) + method("alone", "fixed_window") + "metrics: [ate_m]\n");
+      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio_plus") +
+                 method("shifted", "as_lio_plus", replay) + method("alone", "fixed_window") + "metrics: [ate_m]\n");
   const fs::path output = files.folder / "out", runs = output / "runs/scene_a_1";
   Quiet monitor;
   REQUIRE(run_study(study, options(output), monitor).failures() == 0);
@@ -307,8 +307,8 @@ TEST_CASE("a finished run that is not selected keeps its row when the file that 
   const StudyFiles files;
   const std::string replay = "set: {window: {type: replay, file: '{run:first}/updates.csv'}}";
   const Study study =
-      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio") +
-                 method("shifted", "as_lio", replay) + method("alone", "fixed_window") + "metrics: [ate_m]\n");
+      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio_plus") +
+                 method("shifted", "as_lio_plus", replay) + method("alone", "fixed_window") + "metrics: [ate_m]\n");
   StudyOptions how = options(files.folder / "out");
   Quiet monitor;
   REQUIRE(run_study(study, how, monitor).failures() == 0);
@@ -328,8 +328,8 @@ TEST_CASE("a finished run that is not selected keeps its row when the file that 
 TEST_CASE("a run that failed without the file that another reads is not made again for it") {
   const StudyFiles files;
   const std::string replay = "set: {window: {type: replay, file: '{run:segv}/updates.csv'}}";
-  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("segv", "as_lio") +
-                                 method("shifted", "as_lio", replay) + "metrics: [ate_m]\n");
+  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("segv", "as_lio_plus") +
+                                 method("shifted", "as_lio_plus", replay) + "metrics: [ate_m]\n");
   Quiet monitor;
   CHECK(run_study(study, options(files.folder / "out"), monitor).failures() == 2);
   monitor.lines.clear();

@@ -26,8 +26,8 @@ struct Fixture {
   Study study = files.load(head() +
                            "datasets:\n  - {scene: scene_a.yaml, seeds: 1-4, name: a}\n"
                            "  - {scene: scene_b.yaml, seeds: 1-4, name: b}\nmethods:\n" +
-                           method("fixed", "fixed_window") + method("other", "as_lio") +
-                           method("third", "as_lio", "set: {window.seg_step: 0.2}") +
+                           method("fixed", "fixed_window") + method("other", "as_lio_plus") +
+                           method("third", "as_lio_plus", "set: {window.seg_step: 0.2}") +
                            "baseline: fixed\ndiffers: [window, history]\nmetrics: [ate_m]\n");
   std::vector<StudyRun> runs = plan_runs(study, "program");
   Rows rows;
@@ -126,7 +126,7 @@ TEST_CASE("sequences are compared over the recordings that both have, and have a
   for (int s = 0; s < 6; ++s) datasets += "  - {scene: scene_a.yaml, seeds: 1-3, name: w" + std::to_string(s) + "}\n";
   const Study study =
       files.load(head() + datasets + "methods:\n" + method("fixed", "fixed_window") +
-                 method("other", "as_lio", "differs: [window, history]") + "baseline: fixed\nmetrics: [ate_m]\n");
+                 method("other", "as_lio_plus", "differs: [window, history]") + "baseline: fixed\nmetrics: [ate_m]\n");
   const auto runs = plan_runs(study, "program");
   Rows rows;
   for (int k = 0; k < 18; ++k) rows.insert(rows.end(), {row(1), row(k / 3 == 5 ? 1.1 : 0.5 + 0.01 * k)});
@@ -139,7 +139,7 @@ TEST_CASE("order seeds are no further pairs: the median over them stands for the
   const StudyFiles files;
   const Study study =
       files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2, name: a}]\norder_seeds: [0, 1, 2]\nmethods:\n" +
-                 method("fixed", "fixed_window") + method("other", "as_lio", "differs: [window, history]") +
+                 method("fixed", "fixed_window") + method("other", "as_lio_plus", "differs: [window, history]") +
                  "baseline: fixed\nmetrics: [ate_m]\n");
   const auto runs = plan_runs(study, "program");
   // By recording and order seed: fixed, other. `other` is lower twice on the first one, once on the second.

@@ -206,8 +206,8 @@ TEST_CASE("where the outputs lie is no difference of configuration") {
                "schema: aslio/pipeline/1\nwindow:\n  type: replay\n  file: \"" + output + file + "\"\nlist: [\"" +
                    output + "/data/x_1/a.csv\", /elsewhere/b.csv]\n");
   };
-  write("e1", one, "/runs/x_1/as_lio/updates.csv");
-  write("e11", moved, "/runs/x_1/as_lio/updates.csv");
+  write("e1", one, "/runs/x_1/as_lio_plus/updates.csv");
+  write("e11", moved, "/runs/x_1/as_lio_plus/updates.csv");
   write_text(folder / "e11/runs/x_1/m/manifest.json",
              R"({"command_line": ["aslio", "run", "--output", ")" + moved + R"(/runs/x_1/m", "--quiet"]})");
   const FolderComparison same = compare_folders(folder / "e1", folder / "e11");
@@ -220,8 +220,8 @@ TEST_CASE("where the outputs lie is no difference of configuration") {
   // Of another run, or of another study, is one.
   write("e11", moved, "/runs/x_1/fixed/updates.csv");
   CHECK(compare_folders(folder / "e1", folder / "e11").configurations ==
-        std::vector<std::string>{"m: window.file: runs/x_1/as_lio/updates.csv -> runs/x_1/fixed/updates.csv"});
-  write("e11", moved, "0/runs/x_1/as_lio/updates.csv");
+        std::vector<std::string>{"m: window.file: runs/x_1/as_lio_plus/updates.csv -> runs/x_1/fixed/updates.csv"});
+  write("e11", moved, "0/runs/x_1/as_lio_plus/updates.csv");
   CHECK(compare_folders(folder / "e1", folder / "e11").configurations.size() == 1);
 }
 

@@ -22,7 +22,7 @@ Study two_methods(const StudyFiles& files) {
   return files.load(head() +
                     "datasets:\n  - {scene: scene_a.yaml, seeds: 1-3, name: a}\n"
                     "  - {scene: scene_b.yaml, seeds: 1-3, name: b}\nmethods:\n" +
-                    method("fixed", "fixed_window") + method("other", "as_lio") +
+                    method("fixed", "fixed_window") + method("other", "as_lio_plus") +
                     "baseline: fixed\ndiffers: [window, history]\nmetrics: [ate_m, updates]\n");
 }
 

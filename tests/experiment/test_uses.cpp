@@ -13,8 +13,8 @@ namespace {
 
 /// `patient` takes a second.
 Study with_limit(const StudyFiles& files, const std::string& seconds) {
-  return files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("patient", "as_lio") +
-                    method("shifted", "as_lio", "set: {window: {type: replay, file: '{run:patient}/updates.csv'}}") +
+  return files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("patient", "as_lio_plus") +
+                    method("shifted", "as_lio_plus", "set: {window: {type: replay, file: '{run:patient}/updates.csv'}}") +
                     "metrics: [ate_m]\ntime_limit: " + seconds + "\n");
 }
 

@@ -11,9 +11,9 @@ std::function<Outcome()> with_sensor(std::string line) {
   return [line = std::move(line)] { return run_with([](Measurements&) {}, {.sensor_lines = {line}}); };
 }
 
-/// configs/pipelines/as_lio.yaml with one text in place of another, over half a second.
+/// configs/pipelines/as_lio_plus.yaml with one text in place of another, over half a second.
 Outcome run_changed(const std::string& from, const std::string& to) {
-  std::string text = content(ASLIO_SOURCE_DIR "/configs/pipelines/as_lio.yaml");
+  std::string text = content(ASLIO_SOURCE_DIR "/configs/pipelines/as_lio_plus.yaml");
   const std::size_t at = text.find(from);
   REQUIRE(at != std::string::npos);
   text.replace(at, from.size(), to);

@@ -81,7 +81,7 @@ std::string to_markdown(const std::vector<Row>& rows) {
       "# Faults\n\n"
       "What `aslio run` makes of bad input: one simulated walk (12 s, a LiDAR that sees all round, 6700 points per "
       "sweep),\n"
-      "`as_lio`, and one fault at a time. Each row is a test case (`ctest -L faults`); \"clean\" is the same walk "
+      "`as_lio_plus`, and one fault at a time. Each row is a test case (`ctest -L faults`); \"clean\" is the same walk "
       "without\n"
       "the fault. This page is made by `ASLIO_WRITE_FAULTS=1 build/dev/tests/faults/test_faults \"the table*\"`, and a "
       "test holds it against "

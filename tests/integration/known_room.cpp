@@ -57,7 +57,7 @@ KnownRoom::KnownRoom(const simulator::Motion& motion, const KnownRoomSetting& se
                                         "estimator.sigma=" + std::to_string(setting.sigma), "history={type: none}"};
   overrides.push_back(setting.map.empty() ? "estimator.residual.planes=map" : "map=" + setting.map);
   overrides.insert(overrides.end(), setting.overrides.begin(), setting.overrides.end());
-  const pipeline::PipelineConfig config = shipped("as_lio", overrides);
+  const pipeline::PipelineConfig config = shipped("as_lio_plus", overrides);
   estimator_ = config.estimator.make(environment_.context());
   history_ = config.history.make(environment_.context());
   if (setting.map.empty()) {

@@ -46,7 +46,7 @@ TEST_CASE("covered lens: 0.6 s degrade the run, five good updates make it whole,
   const auto source = world.source();
   const TimeNs begin = world.begin_time();
   const Recording whole = record(*source, begin + to_ns(6.5));
-  for (const char* name : {"as_lio", "fixed_window"}) {
+  for (const char* name : {"as_lio_plus", "fixed_window"}) {
     CAPTURE(name);
     Run brief(shipped(name), world.sensor());
     brief.play(covered(whole, begin + to_ns(2.5), begin + to_ns(3.1)));

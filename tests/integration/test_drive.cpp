@@ -25,7 +25,7 @@ struct Drive {
 
 TEST_CASE("drive: a car in a city is followed from 8 m/s on, with and without adaptation") {
   const Drive drive("drive_city", {"lidar.columns=400"}, 10.0);
-  for (const char* pipeline : {"as_lio", "as_lio_fast", "fixed_window"}) {
+  for (const char* pipeline : {"as_lio_plus", "as_lio_plus_fast", "fixed_window"}) {
     Run run(shipped(pipeline), drive.simulation.claimed_sensor());
     run.play(drive.recording);
     const evaluation::Evaluation error = evaluation::evaluate(run.trajectory(), drive.truth);
@@ -39,7 +39,7 @@ TEST_CASE("drive: a car in a city is followed from 8 m/s on, with and without ad
 TEST_CASE("drive: between guard rails at 30 m/s with an IMU of 10 Hz, a run is right or says that it is not") {
   const Drive drive("drive_highway", {"lidar.columns=400"}, 8.0);
   REQUIRE(drive.simulation.motion().at(0).v.norm() > 20.0);
-  for (const char* pipeline : {"as_lio", "fixed_window", "fast_lio2", "kiss_icp"}) {
+  for (const char* pipeline : {"as_lio_plus", "fixed_window", "fast_lio2", "kiss_icp"}) {
     Run run(shipped(pipeline), drive.simulation.claimed_sensor());
     run.play(drive.recording);
     const bool silent = run.odometry.losses().empty() && !run.odometry.divergence() &&

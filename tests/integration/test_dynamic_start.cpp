@@ -16,7 +16,7 @@ TEST_CASE("dynamic start: a scene that begins in full walk converges, for every 
     const Recording recording = record(simulation, 10.0);
     const Trajectory truth = simulation.truth();
     REQUIRE(simulation.motion().at(0).v.norm() > 1.0);
-    for (const char* pipeline : {"as_lio", "fixed_window"}) {
+    for (const char* pipeline : {"as_lio_plus", "fixed_window"}) {
       Run run(shipped(pipeline), simulation.claimed_sensor());
       run.play(recording);
       REQUIRE(run.odometry.initialisation());

@@ -44,7 +44,7 @@ struct Walk {
 TEST_CASE("monitor: a walk raises no alarm, and 4 s cut out of it are a loss within a second, and a new segment") {
   for (const std::uint64_t seed : {101U, 102U}) {
     const Walk walk(seed);
-    for (const char* name : {"as_lio", "fast_lio2", "lio_sam"}) {
+    for (const char* name : {"as_lio_plus", "fast_lio2", "lio_sam"}) {
       CAPTURE(seed, name);
       Run clean(shipped(name), walk.simulation.claimed_sensor());
       clean.play(walk.recording);
@@ -72,7 +72,7 @@ TEST_CASE("monitor: an extrinsic that is wrong by a right angle or by a metre is
   SensorModel moved = walk.simulation.claimed_sensor();
   moved.T_imu_lidar.p.x() += 1.0;
   for (const SensorModel& sensor : {turned, moved}) {
-    Run run(shipped("as_lio"), sensor);
+    Run run(shipped("as_lio_plus"), sensor);
     run.play(walk.recording);
     REQUIRE(run.odometry.divergence());
     CHECK_THAT(run.odometry.divergence()->reason, Contains("implausible") && Contains("check T_imu_lidar"));

@@ -99,7 +99,7 @@ double median(std::vector<double> values) {
 
 // eq. IESKF-10.
 TEST_CASE("odometry consistency: NEES of the pose and of the motion of 1 s, and NIS, are reported for what they are") {
-  for (const char* name : {"as_lio", "fixed_window"}) {
+  for (const char* name : {"as_lio_plus", "fixed_window"}) {
     Figures figures;
     for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
       const simulator::AnalyticWorld world({.seed = seed});

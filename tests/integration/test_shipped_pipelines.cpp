@@ -163,7 +163,7 @@ TEST_CASE("every shipped pipeline without IMU follows a walk seen all round") {
 TEST_CASE("every shipped pipeline with an IMU follows the walk to its end") {
   const std::vector<std::string> names = shipped_names();
   for (const std::string known :
-       {"as_lio", "as_lio_literal", "as_lio_paper_rate", "fixed_window", "fast_lio2", "faster_lio"}) {
+       {"as_lio_plus", "as_lio", "as_lio_plus_paper_rate", "fixed_window", "fast_lio2", "faster_lio"}) {
     CHECK(std::find(names.begin(), names.end(), known) != names.end());
   }
   const simulator::AnalyticWorld world({.seed = 2});

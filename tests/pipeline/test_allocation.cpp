@@ -53,7 +53,7 @@ TEST_CASE("the meter sees both new and the malloc of Eigen") {
 }
 
 TEST_CASE("no allocation in window, update and overlap after two seconds, map growth is amortised") {
-  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
+  const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"));
   const bool carry = GENERATE(false, true);
   CAPTURE(name, carry);
   // Twice the usual speed: turns of 560 deg/s, rates up to the highest.

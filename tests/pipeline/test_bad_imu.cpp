@@ -72,7 +72,7 @@ struct Walked {
 }  // namespace
 
 TEST_CASE("bad IMU: spikes are refused, and cost nothing") {
-  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
+  const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"));
   const Walked walk(101);
   Run clean(shipped(name), walk.world.sensor());
   clean.play(walk.recording);
@@ -98,7 +98,7 @@ TEST_CASE("bad IMU: spikes are refused, and cost nothing") {
 TEST_CASE(
     "bad IMU: a gyro that ends at 2 rad/s in sharp turns is counted, and told where it was not declared") {  // eq.
                                                                                                              // MOT-12
-  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
+  const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"));
   const bool declared = GENERATE(true, false);
   CAPTURE(name, declared);
   const Walked walk(102);
@@ -121,7 +121,7 @@ TEST_CASE("bad IMU: an accelerometer that ends at 1.1 g") {
                                       [=](ImuSample& s) { s.acc = s.acc.cwiseMax(-range).cwiseMin(range); });
   SensorModel sensor = walk.world.sensor();
   sensor.acc_range = range;
-  Run run(shipped("as_lio"), sensor);
+  Run run(shipped("as_lio_plus"), sensor);
   run.play(recording);
   CHECK(run.odometry.stream().counters().imu_found.acc_clipped > 50);
   CHECK(run.odometry.losses().empty());
@@ -129,7 +129,7 @@ TEST_CASE("bad IMU: an accelerometer that ends at 1.1 g") {
 }
 
 TEST_CASE("bad IMU: stuck or dead for a second is counted") {
-  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
+  const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"));
   const bool zero = GENERATE(true, false);
   CAPTURE(name, zero);
   const Walked walk(104);
@@ -155,7 +155,7 @@ TEST_CASE("bad IMU: one that is dead from the beginning is refused by name") {
     s.gyro.setZero();
     s.acc.setZero();
   });
-  Run run(shipped("as_lio"), walk.world.sensor());
+  Run run(shipped("as_lio_plus"), walk.world.sensor());
   CHECK_THROWS_WITH(run.play(recording), Contains("the IMU is dead") && Contains("zero"));
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("bad IMU: zeros before the first reading are no readings") {
     s.gyro.setZero();
     s.acc.setZero();
   });
-  Run run(shipped("as_lio"), walk.world.sensor());
+  Run run(shipped("as_lio_plus"), walk.world.sensor());
   run.play(recording);
   CHECK(run.odometry.losses().empty());
   CHECK(error(run, walk.world) < 0.05);
@@ -175,7 +175,7 @@ TEST_CASE("clocks: both jump: a loss with its reason, and a new start in time th
   const TimeNs jump = GENERATE(-10 * kSecond, 3600 * kSecond);
   CAPTURE(jump);
   const Walked walk(106, 10);
-  Run run(shipped("as_lio"), walk.world.sensor());
+  Run run(shipped("as_lio_plus"), walk.world.sensor());
   run.play(moved(walk.recording, walk.begin + 5 * kSecond, jump));
   REQUIRE(run.odometry.losses().size() == 1);
   CHECK_THAT(run.odometry.losses()[0].reason,
@@ -191,12 +191,12 @@ TEST_CASE("clocks: one that jumps alone is an error that names it") {
   const Walked walk(106, 9);
   Recording recording =
       spoiled(walk.recording, walk.begin + 5 * kSecond, kTimeMax, [](ImuSample& s) { s.t -= 10 * kSecond; });
-  Run run(shipped("as_lio"), walk.world.sensor());
+  Run run(shipped("as_lio_plus"), walk.world.sensor());
   CHECK_THROWS_WITH(run.play(recording), Contains("IMU clock jumped back by 10.0 s"));
 }
 
 TEST_CASE("an empty scan, and one of a few points, are no fault of a run") {
-  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
+  const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"));
   const std::size_t left = GENERATE(0, 1, 10);
   CAPTURE(name, left);
   const Walked walk(107, 8);

@@ -30,7 +30,7 @@ std::vector<std::uint64_t> digests(const World& w, const std::string& name, int 
 
 TEST_CASE("digests of all updates are the same for any number of threads and from run to run") {
   const World w;
-  for (const char* name : {"as_lio", "fixed_window"}) {
+  for (const char* name : {"as_lio_plus", "fixed_window"}) {
     const auto expected = digests(w, name);
     REQUIRE(expected.size() >= 35);
     for (const int threads : {1, 2, 3, 8}) {
@@ -43,37 +43,37 @@ TEST_CASE("digests of all updates are the same for any number of threads and fro
 TEST_CASE("points that are carried along: another trajectory, and the same one for any number of threads") {
   const World w;
   const std::vector<std::string> carry = {"estimator.carry=true"};
-  const auto expected = digests(w, "as_lio", 1, carry);
+  const auto expected = digests(w, "as_lio_plus", 1, carry);
   REQUIRE(expected.size() >= 35);
-  CHECK((expected != digests(w, "as_lio")));
-  CHECK((expected == digests(w, "as_lio", 3, carry)));
+  CHECK((expected != digests(w, "as_lio_plus")));
+  CHECK((expected == digests(w, "as_lio_plus", 3, carry)));
   CHECK((digests(w, "fixed_window", 1, carry) == digests(w, "fixed_window")));  // no old points: nothing to carry
 }
 
 TEST_CASE("two pipelines interleaved in one process give the same digests as each alone") {
   const World w;
-  Run first(shipped("as_lio"), w.world.sensor()), second(shipped("fixed_window"), w.world.sensor()),
-      third(shipped("as_lio"), w.world.sensor());
+  Run first(shipped("as_lio_plus"), w.world.sensor()), second(shipped("fixed_window"), w.world.sensor()),
+      third(shipped("as_lio_plus"), w.world.sensor());
   for (const Measurement& m : w.recording) {
     for (Run* run : {&first, &second, &third}) run->push(m);
   }
   for (Run* run : {&third, &second, &first}) run->finish();
-  CHECK((first.digests() == digests(w, "as_lio")));
+  CHECK((first.digests() == digests(w, "as_lio_plus")));
   CHECK((third.digests() == first.digests()));
   CHECK((second.digests() == digests(w, "fixed_window")));
 }
 
 TEST_CASE("digests do not depend on how the stream was cut into packets") {
   World w;
-  const auto expected = digests(w, "as_lio");
-  const auto ahead = digests(w, "as_lio", 1, {"window.lookahead=true"});
+  const auto expected = digests(w, "as_lio_plus");
+  const auto ahead = digests(w, "as_lio_plus", 1, {"window.lookahead=true"});
   REQUIRE(ahead.size() >= 35);
   for (const TimeNs period : {100'000'000, 20'000'000, 7'000'000}) {
     CAPTURE(period);
     World other = w;
     other.recording = repacked(w.recording, period);
-    CHECK((digests(other, "as_lio") == expected));
-    CHECK((digests(other, "as_lio", 1, {"window.lookahead=true"}) == ahead));
+    CHECK((digests(other, "as_lio_plus") == expected));
+    CHECK((digests(other, "as_lio_plus", 1, {"window.lookahead=true"}) == ahead));
   }
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("a first message with a wild stamp does not end a run, whichever senso
   const auto reading = std::find_if(w.recording.begin(), w.recording.end(),
                                     [](const Measurement& m) { return std::holds_alternative<ImuSample>(m); });
   const TimeNs begin = std::get<ImuSample>(*reading).t;
-  for (const char* name : {"as_lio", "kiss_icp"}) {
+  for (const char* name : {"as_lio_plus", "kiss_icp"}) {
     const std::size_t usual = digests(w, name).size();
     for (const TimeNs by : {-begin, 5 * kSecond, 3600 * kSecond}) {
       for (const bool of_imu : {true, false}) {

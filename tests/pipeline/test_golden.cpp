@@ -17,7 +17,7 @@ TEST_CASE("the first 5 s of the analytic world come out as recorded in the golde
   const Recording recording = record(*source, world.begin_time() + to_ns(5.1));
   const std::filesystem::path folder = ASLIO_BINARY_DIR "/golden";
   std::filesystem::create_directories(folder);
-  for (const std::string name : {"as_lio", "fixed_window"}) {
+  for (const std::string name : {"as_lio_plus", "fixed_window"}) {
     CAPTURE(name);
     Run run(shipped(name), world.sensor());
     const Trajectory trajectory = run.play(recording).trajectory();

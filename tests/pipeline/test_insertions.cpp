@@ -65,7 +65,7 @@ Outcome play(const std::string& pipeline, std::vector<std::string> overrides) {
 TEST_CASE("on_new and on_exit: after the end of the stream the map holds each point once") {
   for (const std::string insertion : {"on_new", "on_exit"}) {
     CAPTURE(insertion);
-    const Outcome run = play("as_lio", {"insertion=" + insertion});
+    const Outcome run = play("as_lio_plus", {"insertion=" + insertion});
     CHECK(run.map.size() == run.offered.points);
     if (insertion == "on_exit") {
       CHECK(run.map_before_end < run.map.size());  // the last window was still waiting
@@ -87,10 +87,10 @@ TEST_CASE("where windows do not overlap on_exit and whole_window make the run of
 }
 
 TEST_CASE("whole_window keeps the points of overlapping windows several times, unless the map refuses them") {
-  const Outcome once = play("as_lio", {"insertion=on_new"}), again = play("as_lio", {"insertion=whole_window"});
+  const Outcome once = play("as_lio_plus", {"insertion=on_new"}), again = play("as_lio_plus", {"insertion=whole_window"});
   CHECK(again.map.size() == again.offered.in_windows);
   CHECK(again.map.size() > once.map.size() + 1000);
-  const Outcome spaced = play("as_lio", {"insertion=whole_window", "map.min_spacing=0.15"});
+  const Outcome spaced = play("as_lio_plus", {"insertion=whole_window", "map.min_spacing=0.15"});
   CHECK(spaced.map.size() < once.map.size());
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("an insertion that asks for nearest points is refused over a map of su
     const auto with = [&](const std::string& name) {
       auto all = overrides;
       all.push_back("insertion=" + name);
-      return shipped("as_lio", all);
+      return shipped("as_lio_plus", all);
     };
     CHECK_NOTHROW(Run(with("on_exit"), world.sensor()));
     CHECK_THROWS_WITH(Run(with(insertion), world.sensor()),

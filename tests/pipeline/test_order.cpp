@@ -47,7 +47,7 @@ struct Watched {
     const simulator::AnalyticWorld world({.duration_scale = 0.5});
     const auto source = world.source();
     const plugin::Catalog catalog = spied(built_in_stages(), journal);
-    Run watched(shipped("as_lio", overrides, catalog), world.sensor());
+    Run watched(shipped("as_lio_plus", overrides, catalog), world.sensor());
     watched.play(record(*source, world.begin_time() + to_ns(seconds)));
     updates = watched.updates;
   }
@@ -103,7 +103,7 @@ struct StartInMotion {
     const simulator::AnalyticWorld world({.duration_scale = 0.5});
     const auto source = world.source();
     const plugin::Catalog catalog = spied(built_in_stages(), observer);
-    Run run(shipped("as_lio", overrides, catalog), world.sensor());
+    Run run(shipped("as_lio_plus", overrides, catalog), world.sensor());
     run.play(record(*source, world.begin_time() + to_ns(1.5)));
     updates = run.updates;
   }
@@ -205,7 +205,7 @@ TEST_CASE("a look ahead asks for the points that the samplers leave to the overl
   const simulator::AnalyticWorld world({.duration_scale = 0.5});
   const auto source = world.source();
   const plugin::Catalog catalog = spied(built_in_stages(), ranges);
-  Run run(shipped("as_lio", {"window.lookahead=true", "window.seg_step=0.9", "samplers.0.max=4"}, catalog),
+  Run run(shipped("as_lio_plus", {"window.lookahead=true", "window.seg_step=0.9", "samplers.0.max=4"}, catalog),
           world.sensor());
   run.play(record(*source, world.begin_time() + to_ns(2.0)));
   CHECK(ranges.evaluations > 2 * run.updates.size());
@@ -220,7 +220,7 @@ TEST_CASE(
   const auto most = [&](const std::string& points) {
     Scored scored;
     const plugin::Catalog catalog = spied(built_in_stages(), scored);
-    Run run(shipped("as_lio", {"window.lookahead=true", "window.seg_step=0.9", "overlap.points=" + points}, catalog),
+    Run run(shipped("as_lio_plus", {"window.lookahead=true", "window.seg_step=0.9", "overlap.points=" + points}, catalog),
             world.sensor());
     run.play(recording);
     return scored.most_ahead;
@@ -255,7 +255,7 @@ TEST_CASE("what the overlap learns is on its account, what enters the map on the
     CAPTURE(call);
     Burner burner(call);
     const plugin::Catalog catalog = spied(built_in_stages(), burner);
-    Run run(shipped("as_lio", {}, catalog), world.sensor());
+    Run run(shipped("as_lio_plus", {}, catalog), world.sensor());
     run.play(recording);
     double overlap = 0, insert = 0;
     for (const pipeline::UpdateRecord& update : run.updates) {
@@ -273,7 +273,7 @@ TEST_CASE("what it takes to decide on a window is told, also where it is found t
   const auto source = world.source();
   Burner burner("next");
   const plugin::Catalog catalog = spied(built_in_stages(), burner);
-  Run run(shipped("as_lio", {}, catalog), world.sensor());
+  Run run(shipped("as_lio_plus", {}, catalog), world.sensor());
   run.play(record(*source, world.begin_time() + to_ns(1.5)));
   double window = 0;
   for (const pipeline::UpdateRecord& update : run.updates) window += update.times.window;

@@ -47,7 +47,7 @@ Recording with_early_imu(const Recording& recording, TimeNs lead) {
 }  // namespace
 
 TEST_CASE("a turn of 180 deg at 300 deg/s into a room never seen: the map goes on growing and the run recovers") {
-  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"));
+  const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"));
   CAPTURE(name);
   const TwoBuildings world(1.3125, 5.0);  // peak rate 300 deg/s; nothing in view for some 0.25 s
   Run run(shipped(name), world.sensor);
@@ -107,7 +107,7 @@ TEST_CASE("gaps: 2 s without LiDAR are bridged by the IMU, 0.05 s without IMU ar
   const TimeNs begin = world.begin_time();
   const Recording whole = record(*source, begin + to_ns(4.5));
   const auto truth = [&](TimeNs t) { return world.pose(t); };
-  for (const char* name : {"as_lio", "fixed_window"}) {
+  for (const char* name : {"as_lio_plus", "fixed_window"}) {
     CAPTURE(name);
     Run lidar_gap(shipped(name), world.sensor());
     lidar_gap.play(without<LidarPacket>(whole, begin + to_ns(1.35), begin + to_ns(3.35)));
@@ -151,7 +151,7 @@ TEST_CASE("a state driven beyond max_speed is lost, and no update follows where 
 
 // eq. INI-5.
 TEST_CASE("a run that is lost begins anew in what it then sees, and keeps its heading") {
-  const std::string name = GENERATE(std::string("as_lio"), std::string("fixed_window"), std::string("fast_lio2"));
+  const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"), std::string("fast_lio2"));
   CAPTURE(name);
   const TwoBuildings world(1.3125, 7.0);
   // Blind from before the turn until after it, as above.
@@ -194,7 +194,7 @@ TEST_CASE("a gap that dead reckoning cannot bridge is a loss, and what comes aft
   const auto source = world.source();
   const TimeNs begin = world.begin_time(), gap = begin + to_ns(1.35), end_of_gap = begin + to_ns(9.0);
   const Recording recording = without<LidarPacket>(record(*source, begin + to_ns(11.2)), gap, end_of_gap);
-  for (const char* name : {"as_lio", "fixed_window", "fast_lio2"}) {
+  for (const char* name : {"as_lio_plus", "fixed_window", "fast_lio2"}) {
     CAPTURE(name);
     Run run(shipped(name), world.sensor());
     run.play(recording);
@@ -243,7 +243,7 @@ TEST_CASE("an IMU that falls silent is a loss while the points go on, and none o
   const auto source = world.source();
   const TimeNs begin = world.begin_time(), dies = begin + to_ns(2.0), back = begin + to_ns(12.0);
   const Recording whole = record(*source, begin + to_ns(18.0));
-  for (const char* name : {"as_lio", "fixed_window", "fast_lio2"}) {
+  for (const char* name : {"as_lio_plus", "fixed_window", "fast_lio2"}) {
     CAPTURE(name);
     Run dead(shipped(name), world.sensor());
     std::size_t most = 0;
@@ -278,10 +278,10 @@ TEST_CASE("an IMU that falls silent is a loss while the points go on, and none o
   without_imu.play(without<ImuSample>(whole, dies, kTimeMax));
   for (const auto& loss : without_imu.odometry.losses()) CHECK_THAT(loss.reason, !Contains("IMU"));
   CHECK(without_imu.updates.back().plan.end > begin + to_ns(17.5));
-  Run brief(shipped("as_lio", {"max_gap=0.5"}), world.sensor());
+  Run brief(shipped("as_lio_plus", {"max_gap=0.5"}), world.sensor());
   brief.play(without<ImuSample>(whole, dies, dies + to_ns(0.4)));
   CHECK(brief.odometry.losses().empty());
-  Run longer(shipped("as_lio", {"max_gap=0.5"}), world.sensor());
+  Run longer(shipped("as_lio_plus", {"max_gap=0.5"}), world.sensor());
   longer.play(without<ImuSample>(whole, dies, dies + to_ns(0.6)));
   CHECK(longer.odometry.losses().size() == 1);
 }
@@ -292,7 +292,7 @@ TEST_CASE("0.4 s of a sharp turn that the IMU did not read: the points say where
   CAPTURE(seed);
   const simulator::AnalyticWorld world({.seed = seed});
   const TimeNs gap = world.begin_time() + to_ns(2.0);
-  Run run(shipped("as_lio"), world.sensor());
+  Run run(shipped("as_lio_plus"), world.sensor());
   run.play(without<ImuSample>(record(*world.source(), world.begin_time() + to_ns(18.0)), gap, gap + to_ns(0.4)));
   CHECK(run.odometry.losses().empty());
   CHECK(run.odometry.tracking() == TrackingStatus::ok);
@@ -327,13 +327,13 @@ TEST_CASE("where a run begins anew is in the data, not in how they arrive") {
        {std::pair(gap, world.sensor()), std::pair(silent, world.sensor()), std::pair(dark, yard.sensor)}) {
     for (const std::vector<std::string>& sets :
          {std::vector<std::string>{}, {"window.shift_min=0.02", "window.n_least=10"}}) {
-      Run usual(shipped("as_lio", sets), sensor);
+      Run usual(shipped("as_lio_plus", sets), sensor);
       usual.play(recording);
       REQUIRE(usual.odometry.losses().size() == 1);
       REQUIRE(usual.updates.back().segment == 1);
       for (const Recording& arrival : {repacked(recording, kSecond / 100), repacked(recording, kSecond / 40),
                                        with_early_imu(recording, to_ns(0.3)), with_early_imu(recording, to_ns(-1.5))}) {
-        Run other(shipped("as_lio", sets), sensor);
+        Run other(shipped("as_lio_plus", sets), sensor);
         CHECK(other.play(arrival).digests() == usual.digests());
       }
     }
@@ -359,7 +359,7 @@ TEST_CASE("a few samples of an IMU that was silent are no part of a later start"
   const simulator::AnalyticWorld world({.seed = 2});
   const TimeNs begin = world.begin_time(), dies = begin + to_ns(2.0), back = begin + to_ns(12.0);
   const Recording whole = record(*world.source(), begin + to_ns(14.0));
-  Run usual(shipped("as_lio"), world.sensor()), blip(shipped("as_lio"), world.sensor());
+  Run usual(shipped("as_lio_plus"), world.sensor()), blip(shipped("as_lio_plus"), world.sensor());
   usual.play(without<ImuSample>(whole, dies, back));
   blip.play(without<ImuSample>(without<ImuSample>(whole, dies, begin + to_ns(8.0)), begin + to_ns(8.05), back));
   REQUIRE(usual.updates.back().segment == 1);

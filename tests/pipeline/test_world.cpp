@@ -48,9 +48,9 @@ double worst_vertical(const Run& run, const simulator::AnalyticWorld& world) {
 
 TEST_CASE("both pipelines follow the walk, at 10 Hz at rest, the adaptive one faster in sharp turns") {
   const World w({.seed = 2});
-  // Measured on seeds 1 to 6: as_lio 0.007 to 0.029 m, 0.17 to 0.45 deg, 2 to 4 mm at the end; fixed_window 0.004 to
+  // Measured on seeds 1 to 6: as_lio_plus 0.007 to 0.029 m, 0.17 to 0.45 deg, 2 to 4 mm at the end; fixed_window 0.004 to
   // 0.028 m, 0.14 to 0.46 deg, 2 to 6 mm. The bounds are 1.4 times the worst of both.
-  for (const std::string name : {"as_lio", "fixed_window"}) {
+  for (const std::string name : {"as_lio_plus", "fixed_window"}) {
     Run run(shipped(name), w.world.sensor());
     run.play(w.recording);
     CAPTURE(name);
@@ -71,7 +71,7 @@ TEST_CASE("both pipelines follow the walk, at 10 Hz at rest, the adaptive one fa
     CHECK((last.b_a - truth.b_a).norm() < 0.02);
     CHECK(worst_vertical(run, w.world) < 0.035);
     // The walk begins at 1 s. Sharp turns: 4.65 s and 8.66 s, 280 deg/s, into unseen space.
-    const bool adaptive = name == "as_lio";
+    const bool adaptive = name == "as_lio_plus";
     CHECK(run.rate(w.at(0.2), w.at(1)) == Approx(10.0).epsilon(0.03));
     for (const double turn : {4.65, 8.66}) {
       const double rate = fastest(run, w.at(turn), w.at(turn + 0.9));

@@ -70,7 +70,7 @@ class Author(unittest.TestCase):
     def test_a_window_from_nothing_to_a_study(self):
         source = self.project("windows", "my_window", "window")
         self.assertEqual(sorted(str(p.relative_to(source)) for p in source.rglob("*") if p.is_file()),
-                         ["CMakeLists.txt", "README.md", "my_window.cpp", "my_window.hpp", "study/as_lio.yaml",
+                         ["CMakeLists.txt", "README.md", "my_window.cpp", "my_window.hpp", "study/as_lio_plus.yaml",
                           "study/scene.yaml", "study/study.yaml"])
         build = source / "build"
         configure(source, build, self.prefix)

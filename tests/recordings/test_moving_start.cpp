@@ -7,8 +7,8 @@
 using namespace aslio;
 using namespace aslio::test;
 
-TEST_CASE("moving start: as_lio and its own kind follow a car at 11 m/s from wherever the data begin") {
-  for (const char* pipeline : {"as_lio", "as_lio_fast", "fixed_window"}) {
+TEST_CASE("moving start: as_lio_plus and its own kind follow a car at 11 m/s from wherever the data begin") {
+  for (const char* pipeline : {"as_lio_plus", "as_lio_plus_fast", "fixed_window"}) {
     for (const double start_s : {0.0, 2.5}) {
       const RecordedRun run = run_on_moving_kitti(pipeline, start_s);
       CAPTURE(pipeline, start_s, run.summary.reason, run.summary.initialisation, run.ate_m());

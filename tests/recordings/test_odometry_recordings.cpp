@@ -106,8 +106,8 @@ void check_memory(const RecordedRun& run, double limit_mb = 150) {
 
 }  // namespace
 
-TEST_CASE("as_lio stays within 4 cm on the corridor and closes the loop within 2 cm") {
-  const RecordedRun run = run_on_avia("as_lio");
+TEST_CASE("as_lio_plus stays within 4 cm on the corridor and closes the loop within 2 cm") {
+  const RecordedRun run = run_on_avia("as_lio_plus");
   check_whole(run);
   CHECK(run.ate_m() <= 0.040);
   CHECK(run.summary.end_to_end_m.value() <= 0.02);
@@ -148,13 +148,13 @@ std::size_t fast_turns(const std::vector<Step>& steps) {
 
 }  // namespace
 
-TEST_CASE("as_lio updates at 30 Hz and more in the sharp turns that lose the known world, and slower in calm") {
+TEST_CASE("as_lio_plus updates at 30 Hz and more in the sharp turns that lose the known world, and slower in calm") {
   // One of the four turns in front of a wall that is known.
-  CHECK(fast_turns(steps_of(run_on_avia("as_lio"))) == 3);
+  CHECK(fast_turns(steps_of(run_on_avia("as_lio_plus"))) == 3);
 }
 
 TEST_CASE("weak_segments: 8 updates at 30 Hz and more in front of a wall that fills the view, too") {
-  CHECK(fast_turns(steps_of(run_on_avia("as_lio", 1, {"window.weak_segments=8"}))) == 4);
+  CHECK(fast_turns(steps_of(run_on_avia("as_lio_plus", 1, {"window.weak_segments=8"}))) == 4);
 }
 
 TEST_CASE("fixed_window follows FAST-LIO2 within 10 cm on the KITTI drive, with one thread as with two") {
@@ -167,16 +167,16 @@ TEST_CASE("fixed_window follows FAST-LIO2 within 10 cm on the KITTI drive, with 
   CHECK(run_on_kitti("fixed_window", 2).trajectory_sha256 == run.trajectory_sha256);
 }
 
-TEST_CASE("as_lio follows FAST-LIO2 within 6 cm on the KITTI drive, at 10 Hz, where its IMU has 9.7") {
-  const RecordedRun run = run_on_kitti("as_lio");
+TEST_CASE("as_lio_plus follows FAST-LIO2 within 6 cm on the KITTI drive, at 10 Hz, where its IMU has 9.7") {
+  const RecordedRun run = run_on_kitti("as_lio_plus");
   CHECK(run.summary.status == pipeline::RunStatus::ok);
   CHECK(run.ate_m() <= 0.060);
   CHECK(run.summary.updates < 170);  // 125 Hz, which the overlap asks for, had 0.45 m
-  CHECK(run_on_kitti("as_lio", 2).trajectory_sha256 == run.trajectory_sha256);
+  CHECK(run_on_kitti("as_lio_plus", 2).trajectory_sha256 == run.trajectory_sha256);
 }
 
 TEST_CASE("the trajectory is the same in every bit with one thread, again, and with two") {
-  for (const char* pipeline : {"as_lio", "fixed_window"}) {
+  for (const char* pipeline : {"as_lio_plus", "fixed_window"}) {
     INFO(pipeline);
     const RecordedRun run = run_on_avia(pipeline);
     CHECK(run.summary.updates > 200);
@@ -189,7 +189,7 @@ TEST_CASE("the trajectory is the same in every bit with one thread, again, and w
 
 TEST_CASE("fixed_window costs at most 45 ms of one core per second of data") { check_cost("fixed_window", 0.045); }
 
-TEST_CASE("as_lio costs at most 55 ms of one core per second of data") { check_cost("as_lio", 0.055); }
+TEST_CASE("as_lio_plus costs at most 55 ms of one core per second of data") { check_cost("as_lio_plus", 0.055); }
 
 namespace {
 
@@ -218,9 +218,9 @@ double percentile_99(const RecordedRun& run) {
 TEST_CASE(
     "the overlap takes at most 15 % of the updates with 5000 points and 30 % with all, at the paper's rates, too") {
   for (const auto& [pipeline, overrides, limit] :
-       {std::tuple{"as_lio", std::vector<std::string>{}, 0.15},
-        std::tuple{"as_lio_paper_rate", std::vector<std::string>{}, 0.15},
-        std::tuple{"as_lio", std::vector<std::string>{"overlap.max_points=0"}, 0.30}}) {
+       {std::tuple{"as_lio_plus", std::vector<std::string>{}, 0.15},
+        std::tuple{"as_lio_plus_paper_rate", std::vector<std::string>{}, 0.15},
+        std::tuple{"as_lio_plus", std::vector<std::string>{"overlap.max_points=0"}, 0.30}}) {
     const RecordedRun run = run_on_avia(pipeline, 1, overrides);
     CAPTURE(pipeline, limit);
     REQUIRE(run.costs.size() == run.update_times.size());
@@ -232,8 +232,8 @@ TEST_CASE(
 }
 
 TEST_CASE("an update at the paper's rates takes at most 8 ms, 99 of 100") {
-  double least = percentile_99(run_on_avia("as_lio_paper_rate"));
-  for (int i = 0; i < 2; ++i) least = std::min(least, percentile_99(run_on_avia("as_lio_paper_rate")));
+  double least = percentile_99(run_on_avia("as_lio_plus_paper_rate"));
+  for (int i = 0; i < 2; ++i) least = std::min(least, percentile_99(run_on_avia("as_lio_plus_paper_rate")));
   CHECK(least > 0);
   if (kCostCounts) CHECK(least <= 0.008);
 }
@@ -307,8 +307,8 @@ TEST_CASE("the systems without a published run stay whole on the corridor and ne
   // As docs/systems.md has them, and a quarter or 1 cm more, whichever is larger.
   for (const Limits& limits :
        {Limits{"ct_icp_imu", 0.031, 0.037}, Limits{"sr_lio", 0.073, 0.041}, Limits{"fr_lio", 0.029, 0.047},
-        Limits{"as_lio_on_ct_icp", 0.019, 0.055}, Limits{"as_lio_on_ivox", 0.017, 0.035},
-        Limits{"as_lio_on_pointwise_eskf", 0.026, 0.032}, Limits{"as_lio_on_smoother", 0.015, 0.034}}) {
+        Limits{"as_lio_plus_on_ct_icp", 0.019, 0.055}, Limits{"as_lio_plus_on_ivox", 0.017, 0.035},
+        Limits{"as_lio_plus_on_pointwise_eskf", 0.026, 0.032}, Limits{"as_lio_plus_on_smoother", 0.015, 0.034}}) {
     INFO(limits.pipeline);
     const RecordedRun run = run_on_avia(limits.pipeline);
     check_whole(run);

@@ -106,7 +106,7 @@ test('a cell opens its runs, and a run is looked at', async () => {
   assert.deepEqual(runs, ['loop_1', 'loop_2']);
   await page.click('.runs tbody tr:nth-child(2) button');
   assert.equal(await page.$eval('select[aria-label="recording"]', (e) => e.value), 'loop_2');
-  assert.match(await page.$eval('tr.focus th', (e) => e.textContent), /as_lio/);
+  assert.match(await page.$eval('tr.focus th', (e) => e.textContent), /as_lio_plus/);
 });
 
 test('time is scrubbed in space and in all charts at once', async () => {
@@ -146,7 +146,7 @@ test('a zoom of one chart is that of all', async () => {
 test('another recording is another course, with its own time', async () => {
   await page.select('select[aria-label="recording"]', 'turn_1');
   assert.match(await page.$eval('.clock', (e) => e.textContent), /^45\.0 of 45\.0 s$/);
-  assert.ok((await texts('#runs tbody td')).includes('9.00'), 'the figures of as_lio on turn_1');
+  assert.ok((await texts('#runs tbody td')).includes('9.00'), 'the figures of as_lio_plus on turn_1');
   await page.select('select[aria-label="recording"]', 'loop_1');
   assert.match(await page.$eval('.clock', (e) => e.textContent), /^60\.0 of 60\.0 s$/);
 });

@@ -98,7 +98,7 @@ void write_study(const fs::path& folder) {
           "# fixture\n\n**Question.** Which is better? {}\n\n**Prediction.** The second.\n\n**Rule.** Lower median.\n\n"
           "11 of 12 runs. A cell is.\n\n## Expectation\n\nAll in all: **not decided**\n\n- it pays: **does not hold**\n"
           "- {}: **not decided** (1 run is missing)\n\n## ate_m\n\n| sequence | fixed_10 |\n|---|---|\n\n## ate_deg\n\n"
-          "| method | baseline | sequences | pairs |\n|---|---|---|---|\n| as_lio | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 "
+          "| method | baseline | sequences | pairs |\n|---|---|---|---|\n| as_lio_plus | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 "
           "|\n\n## Identical results\n\n- a and b do not differ\n",
           kHostileText, kHostileText));
   write_text(folder / "verdict.md", fmt::format("# Verdict: fixture\n\n- lower median: **holds**\n- {}: **not "
@@ -113,13 +113,13 @@ void write_study(const fs::path& folder) {
     write_text(folder / "data" / name / "overlap.csv",
                "t,static_rays,true_overlap\n1700000001.0,9,0.5\n1700000030.0,9,0.9\n1700000059.0,9,0.4\n");
     csv += fmt::format("{},{},{},0,fixed_10,ok,,{},0.2,10,0.05\n", name, sequence, seed, 0.05 + extra);
-    csv += fmt::format("{},{},{},0,as_lio,degraded,few points,{},0.1,20,0.08\n", name, sequence, seed,
+    csv += fmt::format("{},{},{},0,as_lio_plus,degraded,few points,{},0.1,20,0.08\n", name, sequence, seed,
                        (sequence == "loop" ? 0.02 : 0.09) + extra);
     write_run(folder / "runs" / name / "fixed_10", duration, 10, 0.05 + extra, "  type: fixed\n  period: 0.1\n");
-    write_run(folder / "runs" / name / "as_lio", duration, 20, 0.02 + extra,
+    write_run(folder / "runs" / name / "as_lio_plus", duration, 20, 0.02 + extra,
               "  type: sod_adaptive\n  seg_step: 0.05\n");
   }
-  write_map(folder / "runs/loop_1/as_lio/map.ply");
+  write_map(folder / "runs/loop_1/as_lio_plus/map.ply");
   csv += fmt::format("loop_1,loop,1,0,{},ok,,0.4,0.5,10,0.2\n", quoted);
   csv += fmt::format("loop_2,loop,2,0,{},diverged,\"off by 9 m, {}\",9,0.5,10,0.2\n", quoted, "</script>");
   csv += fmt::format("turn_1,turn,1,0,{},crashed,=cmd(),,,,\n", quoted);
@@ -127,8 +127,8 @@ void write_study(const fs::path& folder) {
   write_run(folder / "runs/loop_2" / bad, kLoop, 10, 2, "  type: fixed\n  period: 0.1\n");
   write_text(folder / "results.csv", csv);
   write_text(folder / "statistics.csv",
-             "metric,sequence,method,baseline,low,high,effect,p,p_holm,p_sequences\nate_m,loop,as_lio,,0.02,0.03,,,,\n"
-             "ate_m,,as_lio,fixed_10,0.4,inf,-0.5,0.0004,0.125,0.25\n");
+             "metric,sequence,method,baseline,low,high,effect,p,p_holm,p_sequences\nate_m,loop,as_lio_plus,,0.02,0.03,,,,\n"
+             "ate_m,,as_lio_plus,fixed_10,0.4,inf,-0.5,0.0004,0.125,0.25\n");
 }
 
 void write_long_study(const fs::path& folder) {

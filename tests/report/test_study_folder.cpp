@@ -57,7 +57,7 @@ TEST_CASE("a study is read from what it left") {
   CHECK(study.expectation[0] == "it pays: **does not hold**");
   CHECK(study.planned == 12);
   CHECK(study.metrics == std::vector<std::string>{"ate_m", "ate_deg"});
-  CHECK(study.methods == std::vector<std::string>{"fixed_10", "as_lio", kHostile});
+  CHECK(study.methods == std::vector<std::string>{"fixed_10", "as_lio_plus", kHostile});
   CHECK(study.sequences == std::vector<std::string>{"loop", "turn"});
   CHECK(study.baseline[1] == 0);
   CHECK_FALSE(study.baseline[0].has_value());
@@ -142,7 +142,7 @@ TEST_CASE("a run whose summary cannot be read is a failure with its reason, not 
 
 TEST_CASE("files of a run that cannot be read are told beside its status, and the rest is shown") {
   const Fixture fixture;
-  const auto run = fixture.folder.path() / "runs/loop_1/fixed_10", other = fixture.folder.path() / "runs/loop_2/as_lio";
+  const auto run = fixture.folder.path() / "runs/loop_1/fixed_10", other = fixture.folder.path() / "runs/loop_2/as_lio_plus";
   write_text(run / "trajectory.tum", "\x7f\xff garbage\n");
   write_text(run / "updates.csv", "t_ns,status,sod\n1700000001000000000,ok,0.5\n17000000020000");
   write_text(run / "timings.csv", "no telemetry\n1\n");
@@ -167,7 +167,7 @@ TEST_CASE("files of a run that cannot be read are told beside its status, and th
   CHECK_FALSE(json["runs"][0]["series"].contains("path"));
   CHECK(json["runs"][1]["reason"] == "few points");
   for (const auto& at : json["runs"]) {
-    if (at["data"] == "loop_2" && at["method"] == "as_lio") {
+    if (at["data"] == "loop_2" && at["method"] == "as_lio_plus") {
       CHECK_THAT(at["reason"].get<std::string>(),
                  Contains("few points; updates.csv: 1 of 3 lines have another number"));
     }
@@ -264,7 +264,7 @@ TEST_CASE("comparisons carry the statistics of the study") {
   CHECK(tables[1].comparisons[0].more.empty());
   CHECK_THAT(
       to_markdown(fixture.study()),
-      Contains("| as_lio | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 | 1.08 | 0.4 to x | -0.50 | &lt; 0.001 | 0.125 | 0.250 |"));
+      Contains("| as_lio_plus | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 | 1.08 | 0.4 to x | -0.50 | &lt; 0.001 | 0.125 | 0.250 |"));
   CHECK(fixture.study().identical == std::vector<std::string>{"a and b do not differ"});
 }
 

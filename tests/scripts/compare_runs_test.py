@@ -32,10 +32,10 @@ class CompareRuns(unittest.TestCase):
         return run, [line.strip("| ").split(" | ") for line in table.read_text().splitlines()]
 
     def test_figures_are_scaled_and_rounded(self):
-        self.write("as_lio")
-        run, table = self.compare("as_lio")
+        self.write("as_lio_plus")
+        run, table = self.compare("as_lio_plus")
         self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertEqual(table[2], ["as_lio", "ok", "0.023", "0.46", "1.3", "0.0051", "10.0 / 10.3 / 55.0", "0.075", "81"])
+        self.assertEqual(table[2], ["as_lio_plus", "ok", "0.023", "0.46", "1.3", "0.0051", "10.0 / 10.3 / 55.0", "0.075", "81"])
 
     def test_without_a_reference_there_are_dashes_and_no_zeros(self):
         self.write("a", metrics={"ate_m": None, "ate_deg": None, "rpe": None, "end_to_end_m": 0.02})

@@ -64,17 +64,17 @@ class Verdicts(StudyCase):
         return code, out
 
     def test_what_the_study_has_judged_is_its_verdict(self):
-        runs = [("a", seed, m, v) for seed in (1, 2, 3) for m, v in (("fixed_10", 0.1), ("as_lio", 0.05))]
-        runs = [(*r, "diverged") if r[1] > 1 and r[2] == "as_lio" else r for r in runs]
+        runs = [("a", seed, m, v) for seed in (1, 2, 3) for m, v in (("fixed_10", 0.1), ("as_lio_plus", 0.05))]
+        runs = [(*r, "diverged") if r[1] > 1 and r[2] == "as_lio_plus" else r for r in runs]
         for outcome, code in (("holds", 0), ("does not hold", 0), ("not decided", 1)):
-            self.study("table_1", runs, expectation=[f"better: ate_m of as_lio: **{outcome}** (2 runs are missing)"])
+            self.study("table_1", runs, expectation=[f"better: ate_m of as_lio_plus: **{outcome}** (2 runs are missing)"])
             found, out = self.decide()
             self.assertEqual(found, code)
-            self.assertIn(f"- better: ate_m of as_lio: **{outcome}**\n", out)
+            self.assertIn(f"- better: ate_m of as_lio_plus: **{outcome}**\n", out)
             self.assertNotIn("no claim", out)
-        self.assertIn("| a_2 | as_lio | diverged | - |", out)
+        self.assertIn("| a_2 | as_lio_plus | diverged | - |", out)
         self.assertIn("| a | 0.1 | x |", out)  # two of three seeds fail: so does the median
-        self.assertIn("| as_lio | fixed_10 | 0 / 1 / 0 | 1 / 2 / 0 |", out)
+        self.assertIn("| as_lio_plus | fixed_10 | 0 / 1 / 0 | 1 / 2 / 0 |", out)
 
     def test_methods_stand_against_their_baselines(self):
         self.study("mine", [("a", 1, m, v) for m, v in (("x", 0.1), ("y", 0.2), ("z", 0.3))])
@@ -85,7 +85,7 @@ class Verdicts(StudyCase):
         self.assertNotIn("| y | x |", out)
 
     def test_missing_sequences_leave_it_open(self):
-        self.study("window_ablation", [("indoor_1", 1, "fixed_10", 0.1), ("indoor_1", 1, "fixed_20", 0.1), ("indoor_1", 1, "as_lio", 0.05)],
+        self.study("window_ablation", [("indoor_1", 1, "fixed_10", 0.1), ("indoor_1", 1, "fixed_20", 0.1), ("indoor_1", 1, "as_lio_plus", 0.05)],
                    planned=18)
         code, out = self.decide()
         self.assertEqual(code, 1)
@@ -94,11 +94,11 @@ class Verdicts(StudyCase):
         self.assertIn("| 1 / 0 / 0 | 1 / 0 / 0 | 0.5 | - | - |", out)  # one pair is no test
 
     def test_the_best_rate_is_that_of_the_tuning_data(self):
-        methods = {"fixed_10": 0.1, "fixed_20": 0.04, "fixed_50_history": 0.06, "as_lio": 0.05, "motion_rate": 0.055}
+        methods = {"fixed_10": 0.1, "fixed_20": 0.04, "fixed_50_history": 0.06, "as_lio_plus": 0.05, "motion_rate": 0.055}
         self.study("window_ablation", [(s, 1, m, v) for s in NINE for m, v in methods.items()])
         _, out = self.decide()
         self.assertIn("Best fixed rate: `fixed_20`, chosen **on these very data", out)
-        self.assertIn("adapting pays: as_lio below fixed_20 on 0 of 9 (needs 6 of 9): **does not hold**", out)
+        self.assertIn("adapting pays: as_lio_plus below fixed_20 on 0 of 9 (needs 6 of 9): **does not hold**", out)
         runs = self.root
         self.root = self.root / "tuning"
         self.root.mkdir()
@@ -106,27 +106,27 @@ class Verdicts(StudyCase):
         code, out, _ = printed(decide.main, runs, "--tuning", self.root)
         self.assertEqual(code, 0)
         self.assertIn("Best fixed rate: `fixed_50_history`, chosen on the tuning data (seeds 100)", out)
-        self.assertIn("adapting pays: as_lio below fixed_50_history on 9 of 9 (needs 6 of 9): **holds**", out)
-        self.assertIn("overlap pays: as_lio below motion_rate on 9 of 9 (needs 6 of 9): **holds**", out)
+        self.assertIn("adapting pays: as_lio_plus below fixed_50_history on 9 of 9 (needs 6 of 9): **holds**", out)
+        self.assertIn("overlap pays: as_lio_plus below motion_rate on 9 of 9 (needs 6 of 9): **holds**", out)
 
     def test_the_best_rate_is_of_recordings_that_all_have(self):
         # fixed_20 has run on the easy seed alone.
         self.study("window_ablation", [("indoor_1", seed, "fixed_10", v) for seed, v in ((1, 0.02), (2, 0.04), (3, 0.04))] +
-                   [("indoor_1", 1, "fixed_20", 0.03), ("indoor_1", 1, "as_lio", 0.03)], planned=600)
+                   [("indoor_1", 1, "fixed_20", 0.03), ("indoor_1", 1, "as_lio_plus", 0.03)], planned=600)
         out = self.decide()[1]
         self.assertIn("over the 1 recordings that all have run on: fixed_20 0.03. **Of 5 of 600 runs.**", out)
         self.study("adaptivity", [("indoor_1", seed, "fixed_10", v) for seed, v in ((1, 0.02), (2, 0.04), (3, 0.04))] +
-                   [("indoor_1", 1, "fixed_20", 0.03), ("indoor_1", 1, "as_lio", 0.03)], planned=600)
+                   [("indoor_1", 1, "fixed_20", 0.03), ("indoor_1", 1, "as_lio_plus", 0.03)], planned=600)
         self.assertIn("Best fixed rate: `fixed_10`", self.decide()[1])
 
     def test_a_yoked_schedule_has_to_lose_pairs_too(self):
         # Lower median on all nine, by one seed of two that is far better.
-        values = {"as_lio": (0.01, 0.11), "replayed": (0.01, 0.11), "shifted": (0.1, 0.1), "shuffled": (0.2, 0.2)}
+        values = {"as_lio_plus": (0.01, 0.11), "replayed": (0.01, 0.11), "shifted": (0.1, 0.1), "shuffled": (0.2, 0.2)}
         self.study("yoked", [(s, seed, m, v[seed - 1]) for s in NINE for seed in (1, 2) for m, v in values.items()])
         _, out = self.decide()
-        self.assertIn("as_lio below shifted on 9 of 9 (needs 6 of 9): **holds**", out)
-        self.assertIn("as_lio wins 9 of 18 pairs against shifted (needs most): **does not hold**", out)
-        self.assertIn("as_lio wins 18 of 18 pairs against shuffled (needs most): **holds**", out)
+        self.assertIn("as_lio_plus below shifted on 9 of 9 (needs 6 of 9): **holds**", out)
+        self.assertIn("as_lio_plus wins 9 of 18 pairs against shifted (needs most): **does not hold**", out)
+        self.assertIn("as_lio_plus wins 18 of 18 pairs against shuffled (needs most): **holds**", out)
         self.assertIn("same ATE in 18 of 18 pairs: **holds**", out)
 
     def test_ideal_imu_does_no_harm_up_to_ten_percent(self):
@@ -134,7 +134,7 @@ class Verdicts(StudyCase):
         for ratio, outcome in ((1.09, "holds"), (1.2, "does not hold")):
             ours["indoor_1"] = 0.1 * ratio
             self.study("ideal_imu", [(s, 1, m, v) for s in NINE
-                                     for m, v in (("fixed_10_history", 0.1), ("fixed_20", 0.15), ("as_lio", ours[s]))])
+                                     for m, v in (("fixed_10_history", 0.1), ("fixed_20", 0.15), ("as_lio_plus", ours[s]))])
             self.assertIn(f"fixed_10_history on {9 if ratio < 1.1 else 8} of 9 sequences (needs 9): **{outcome}**", self.decide()[1])
         # The tuning data have another best rate, which is the one that counts.
         runs = self.root
@@ -155,85 +155,85 @@ class Verdicts(StudyCase):
                                            **{f"eig_{i}": ["", ""] + [matches / sigma**2] * (len(t) - 1) for i in range(1, 7)}})
 
     def test_yoked_arms_must_have_as_many_updates(self):
-        self.study("yoked", [(s, 1, m, v) for s in NINE for m, v in (("as_lio", 0.05), ("fixed_mean", 0.1), ("gyro", 0.1))])
+        self.study("yoked", [(s, 1, m, v) for s in NINE for m, v in (("as_lio_plus", 0.05), ("fixed_mean", 0.1), ("gyro", 0.1))])
         for s in NINE:
-            self.schedule(s, "as_lio", 100, 10)
+            self.schedule(s, "as_lio_plus", 100, 10)
             self.schedule(s, "fixed_mean", 109, 10)
             self.schedule(s, "gyro", 111 if s == "outdoor_3" else 100, 10)
         code, out = self.decide()
         self.assertEqual(code, 1)
         self.assertIn("| indoor_1 | 10 | 10.9 | 10 |", out)
-        self.assertIn("as_lio below fixed_mean on 9 of 9 (needs 6 of 9): **holds**", out)
-        self.assertIn("updates per second of as_lio and gyro differs by 11 % on a sequence (limit 10 %): **not decided**", out)
+        self.assertIn("as_lio_plus below fixed_mean on 9 of 9 (needs 6 of 9): **holds**", out)
+        self.assertIn("updates per second of as_lio_plus and gyro differs by 11 % on a sequence (limit 10 %): **not decided**", out)
 
     def test_equal_points_are_counted(self):
-        arms = {"fixed_10": (100, 500, 0.06), "as_lio": (110, 500, 0.06), "fixed_50_history": (500, 150, 0.06),
+        arms = {"fixed_10": (100, 500, 0.06), "as_lio_plus": (110, 500, 0.06), "fixed_50_history": (500, 150, 0.06),
                 "fixed_10_equal": (100, 300, 0.06), "fixed_20_equal": (200, 150, 0.06), "fixed_50_equal": (500, 64, 0.06),
-                "fixed_10_share": (100, 300, 0.06), "fixed_50_share": (500, 60, 0.06), "as_lio_share": (120, 300, 0.06),
-                "fixed_50_information": (500, 150, 0.06 * math.sqrt(1.5)), "as_lio_information": (120, 500, 0.06),
-                "fixed_10_spaced": (100, 500, 0.06), "as_lio_spaced": (110, 500, 0.06)}
+                "fixed_10_share": (100, 300, 0.06), "fixed_50_share": (500, 60, 0.06), "as_lio_plus_share": (120, 300, 0.06),
+                "fixed_50_information": (500, 150, 0.06 * math.sqrt(1.5)), "as_lio_plus_information": (120, 500, 0.06),
+                "fixed_10_spaced": (100, 500, 0.06), "as_lio_plus_spaced": (110, 500, 0.06)}
         self.study("equal_points", [(s, 1, m, 0.1 if m.startswith("fixed_10") else 0.05) for s in NINE for m in arms])
         for s in NINE:
             for method, figures in arms.items():
                 self.schedule(s, method, *figures)
         _, out = self.decide()
         self.assertIn("fixed_50_equal below fixed_10_equal on 9 of 9 (needs 6 of 9): **holds**", out)  # 7 % apart
-        self.assertIn("matched points per second of as_lio_share and fixed_10_share differs by 20 % on a sequence", out)
+        self.assertIn("matched points per second of as_lio_plus_share and fixed_10_share differs by 20 % on a sequence", out)
         self.assertIn("fixed_50_information below fixed_10 on 9 of 9 (needs 6 of 9): **holds**", out)  # half as many again, each worse
-        self.assertIn("information per second of as_lio_information and fixed_10 differs by 20 % on a sequence", out)
-        self.assertIn("at equal insertion: as_lio_spaced below fixed_10_spaced on 9 of 9", out)
+        self.assertIn("information per second of as_lio_plus_information and fixed_10 differs by 20 % on a sequence", out)
+        self.assertIn("at equal insertion: as_lio_plus_spaced below fixed_10_spaced on 9 of 9", out)
 
     def test_parts_are_judged_at_both_ends_of_the_ladder(self):
-        values = {"as_lio_literal": 0.5, "as_lio": 0.1, "with_map": 0.2, "without_map": 0.1, "with_noise": 0.5, "without_noise": 0.12,
+        values = {"as_lio": 0.5, "as_lio_plus": 0.1, "with_map": 0.2, "without_map": 0.1, "with_noise": 0.5, "without_noise": 0.12,
                   "with_steps": 0.455, "without_steps": 0.105}  # a fall of 9 %, though 0.5 is more than 10 % above it
         self.study("literal_ladder", [(s, 1, m, v) for s in NINE[:3] for m, v in values.items()])
         code, out = self.decide()
         self.assertEqual(code, 0)
         for part, up, down, outcome in (("map", 3, 0, "holds"), ("noise", 0, 3, "holds"), ("steps", 0, 0, "does not hold")):
-            self.assertIn(f"{part} holds the literal design back: the literal design with as_lio's gains on {up} of 3, as_lio without it "
+            self.assertIn(f"{part} holds the literal design back: the literal design with as_lio_plus's gains on {up} of 3, as_lio_plus without it "
                           f"loses on {down} of 3 (needs 2 of 3 at one end): **{outcome}**", out)
 
     def test_corrections_make_up_for_long_windows(self):
-        values = {f"{w}_{c}": 0.1 for w in ("fixed_10", "as_lio") for c in ("rigid", "linear", "asymptotic", "state")}
+        values = {f"{w}_{c}": 0.1 for w in ("fixed_10", "as_lio_plus") for c in ("rigid", "linear", "asymptotic", "state")}
         self.study("deskew_ablation", [(s, 1, m, v) for s in NINE[:3]
-                                       for m, v in {**values, "fixed_10_rigid": 0.2, "as_lio_state": 0.08}.items()])
+                                       for m, v in {**values, "fixed_10_rigid": 0.2, "as_lio_plus_state": 0.08}.items()])
         _, out = self.decide()
         self.assertIn("gain of the adaptive one is larger with rigid on 3 of 3 (needs 2 of 3): **holds**", out)
-        self.assertIn("as_lio_state is lower by over 10 % than as_lio_linear on 3 of 3 (must not on 2 of 3): **does not hold**", out)
+        self.assertIn("as_lio_plus_state is lower by over 10 % than as_lio_plus_linear on 3 of 3 (must not on 2 of 3): **does not hold**", out)
 
     def test_a_lost_run_decides_a_ratio(self):
         # The fixed window with rigid is lost on two of three: no gain could be larger.
-        values = {f"{w}_{c}": 0.1 for w in ("fixed_10", "as_lio") for c in ("rigid", "linear", "asymptotic", "state")}
+        values = {f"{w}_{c}": 0.1 for w in ("fixed_10", "as_lio_plus") for c in ("rigid", "linear", "asymptotic", "state")}
         self.study("deskew_ablation", [(s, 1, m, v, "diverged" if m == "fixed_10_rigid" and s != "indoor_3" else "ok")
                                        for s in NINE[:3] for m, v in values.items()])
         self.assertIn("gain of the adaptive one is larger with rigid on 2 of 3 (needs 2 of 3): **holds**", self.decide()[1])
-        self.study("imu_rate_sweep", [(f"{place}_imu_{rate}", 1, m, 0.1, "diverged" if m == "as_lio" and rate == 50 else "ok")
-                                      for place in ("indoor_1", "outdoor_4") for rate in (50, 1000) for m in ("fixed_10", "as_lio")])
+        self.study("imu_rate_sweep", [(f"{place}_imu_{rate}", 1, m, 0.1, "diverged" if m == "as_lio_plus" and rate == 50 else "ok")
+                                      for place in ("indoor_1", "outdoor_4") for rate in (50, 1000) for m in ("fixed_10", "as_lio_plus")])
         self.assertIn("outdoor_4: the ratio is larger at 50 Hz than at 1000 Hz: **does not hold**", self.decide()[1])
 
     def test_compute_is_saved_where_nothing_as_accurate_is_cheaper(self):
         runs = []
         for i, s in enumerate(NINE):
-            runs += [(s, 1, "as_lio", (0.1, 0.02, 100)), (s, 1, "gyro_15", (0.105, 0.01 if i < 3 else 0.03, 200)),
+            runs += [(s, 1, "as_lio_plus", (0.1, 0.02, 100)), (s, 1, "gyro_15", (0.105, 0.01 if i < 3 else 0.03, 200)),
                      (s, 1, "gyro_60", (0.12, 0.001, 50)), (s, 1, "fixed_20_history", (0.1, 0.001 if i == 8 else 0.02, 100))]
         self.study("compute_saving", runs, figures=("ate_m", "cpu_s_per_s", "updates"))
         _, out = self.decide()
-        self.assertIn("as_lio saves on 5 of 9 sequences (needs 6 of 9): **does not hold**", out)
+        self.assertIn("as_lio_plus saves on 5 of 9 sequences (needs 6 of 9): **does not hold**", out)
         self.assertIn("| indoor_1 | gyro_15, fixed_20_history | gyro_15 | no |", out)
         self.assertIn("| outdoor_5 | gyro_15, fixed_20_history | none | yes |", out)
         self.assertIn("| outdoor_6 | gyro_15, fixed_20_history | fixed_20_history | no |", out)
         self.assertNotIn("no rival", out)
         self.study("compute_saving", [(s, 1, m, v) for s in NINE for m, v in
-                                      (("as_lio", (0.1, 0.02, 100)), ("gyro_15", (0.2, 0.01, 200)), ("fixed_20_history", (0.2, 0.01, 100)))],
+                                      (("as_lio_plus", (0.1, 0.02, 100)), ("gyro_15", (0.2, 0.01, 200)), ("fixed_20_history", (0.2, 0.01, 100)))],
                    figures=("ate_m", "cpu_s_per_s", "updates"))
         _, out = self.decide()
-        self.assertIn("as_lio saves on 9 of 9 sequences (needs 6 of 9): **holds**\n\n- on 9 of these no rival is as accurate", out)
+        self.assertIn("as_lio_plus saves on 9 of 9 sequences (needs 6 of 9): **holds**\n\n- on 9 of these no rival is as accurate", out)
         self.study("compute_saving", [(s, 1, m, v) for s in NINE for m, v in
-                                      (("as_lio", (math.inf, 0.02, 100)), ("gyro_15", (0.2, 0.01, 200)))],
+                                      (("as_lio_plus", (math.inf, 0.02, 100)), ("gyro_15", (0.2, 0.01, 200)))],
                    figures=("ate_m", "cpu_s_per_s", "updates"))
         _, out = self.decide()
-        self.assertIn("| indoor_1 | as_lio is lost | none | no |", out)
-        self.assertIn("as_lio saves on 0 of 9 sequences (needs 6 of 9): **does not hold**", out)
+        self.assertIn("| indoor_1 | as_lio_plus is lost | none | no |", out)
+        self.assertIn("as_lio_plus saves on 0 of 9 sequences (needs 6 of 9): **does not hold**", out)
 
     def test_a_study_without_a_rule_gets_its_figures(self):
         self.study("my_own", [("a", 1, "first", 0.2), ("a", 1, "second", 0.1)])
@@ -279,7 +279,7 @@ class Garage(StudyCase):
 
     def run_with(self, along, across, yaw_deg):
         """5 m of bare stretch in 5 s, errors that grow linearly over it."""
-        self.study("degenerate_garage", [("garage", 1, "as_lio", 0.1)])
+        self.study("degenerate_garage", [("garage", 1, "as_lio_plus", 0.1)])
         self.straight_truth("garage_1", text=self.SCENE)
         t = np.arange(0.2, 8, 0.1)
         grown = np.clip((t - 1.2) / 3.8, 0, 1)
@@ -287,7 +287,7 @@ class Garage(StudyCase):
         turn = 0.7 + np.radians(yaw_deg) * grown
         R = np.array([[math.cos(0.7), -math.sin(0.7), 0], [math.sin(0.7), math.cos(0.7), 0], [0, 0, 1]])
         p = np.stack([t + along * grown, across * grown, 0 * t], axis=1) @ R.T + [3, 4, 5]
-        folder = self.root / "runs/garage_1/as_lio"
+        folder = self.root / "runs/garage_1/as_lio_plus"
         write_tum(folder / "trajectory.tum", t, p, [yaw(a) for a in turn])
         matches = [7 if 2.95 < x < 3.05 else 3 if x > 7.85 else 500 for x in t]
         write_csv(folder / "updates.csv", {"t_ns": [round(x * 1e9) for x in t], "status": ["initialising"] + ["ok"] * (len(t) - 1),
@@ -298,7 +298,7 @@ class Garage(StudyCase):
     def test_errors_along_across_and_in_yaw(self):
         code, out = self.run_with(0.1, 0.03, 0.4)
         self.assertIn("Bare stretch: 5.0 m, 1 passages", out)
-        self.assertIn("| as_lio | 2 (worst 2) | 3 (worst 3) | 0.4 (worst 0.4) | 7 | 3 | 1 of 1 | 0 |", out)
+        self.assertIn("| as_lio_plus | 2 (worst 2) | 3 (worst 3) | 0.4 (worst 0.4) | 7 | 3 | 1 of 1 | 0 |", out)
         self.assertIn("**holds**", out)
         self.assertEqual(code, 0)
 

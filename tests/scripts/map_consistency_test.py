@@ -79,7 +79,7 @@ class MapConsistency(StudyCase):
 
     def test_the_rule_of_the_study(self):
         random = np.random.default_rng(6)
-        thickness = {"fixed_10": 0.02, "as_lio": 0.01}
+        thickness = {"fixed_10": 0.02, "as_lio_plus": 0.01}
         self.study("map_consistency", [(s, 1, m, 0.1) for s in ("indoor_1", "indoor_3") for m in thickness])
         for sequence in ("indoor_1", "indoor_3"):
             t = self.straight_truth(f"{sequence}_1", seconds=2.0)
@@ -93,9 +93,9 @@ class MapConsistency(StudyCase):
                 (folder / "map.ply").write_bytes(ply(floor))
         code, out, err = printed(decide.main, self.root)
         self.assertEqual((code, err), (0, ""))
-        self.assertIn("entropy of as_lio below that of fixed_10 on 2 of 2 (needs 2 of 2): **holds**", out)
-        self.assertIn("RMS distance to the surface of as_lio below that of fixed_10 on 2 of 2 (needs 2 of 2): **holds**", out)
-        line = next(line for line in out.splitlines() if line.startswith("| as_lio |"))
+        self.assertIn("entropy of as_lio_plus below that of fixed_10 on 2 of 2 (needs 2 of 2): **holds**", out)
+        self.assertIn("RMS distance to the surface of as_lio_plus below that of fixed_10 on 2 of 2 (needs 2 of 2): **holds**", out)
+        line = next(line for line in out.splitlines() if line.startswith("| as_lio_plus |"))
         self.assertAlmostEqual(float(line.split("|")[3]), 10, delta=0.6)
 
     def test_what_is_no_map_is_told(self):

@@ -103,19 +103,19 @@ class OracleSchedule(StudyCase):
 
     def test_like_a_run_of_a_study(self):
         self.overlap([1.0] * 20 + [0.5] * 20, "data/a_1/overlap.csv")
-        code, _, err = printed(oracle.main, self.root, "--like", "as_lio")
+        code, _, err = printed(oracle.main, self.root, "--like", "as_lio_plus")
         self.assertEqual(code, 2)
         self.assertIn("run that method first", err)
-        write_csv(self.root / "runs/a_1/as_lio/updates.csv", {"t_ns": [1700000000 * 10**9 + k * MS for k in (100, 200, 220, 240, 260, 280, 300)]})
-        code, out, _ = printed(oracle.main, self.root, "--like", "as_lio", "--warmup", "0")
+        write_csv(self.root / "runs/a_1/as_lio_plus/updates.csv", {"t_ns": [1700000000 * 10**9 + k * MS for k in (100, 200, 220, 240, 260, 280, 300)]})
+        code, out, _ = printed(oracle.main, self.root, "--like", "as_lio_plus", "--warmup", "0")
         self.assertEqual(code, 0)
         self.assertIn("shortest interval 20.0 ms", out)
 
     def test_a_run_of_other_data_is_refused(self):
         self.overlap([1.0] * 40, "data/a_1/overlap.csv")
         for offset in (0, 1800000000 * 10**9):
-            write_csv(self.root / "runs/a_1/as_lio/updates.csv", {"t_ns": [offset + k * MS for k in (100, 200, 220, 240)]})
-            code, _, err = printed(oracle.main, self.root, "--like", "as_lio", "--warmup", "0")
+            write_csv(self.root / "runs/a_1/as_lio_plus/updates.csv", {"t_ns": [offset + k * MS for k in (100, 200, 220, 240)]})
+            code, _, err = printed(oracle.main, self.root, "--like", "as_lio_plus", "--warmup", "0")
             self.assertEqual(code, 2)
             self.assertIn("of other data", err)
 

@@ -155,15 +155,15 @@ class AgainstImu(StudyCase):
 
 class UpdateCost(StudyCase):
     def test_percentiles_and_the_share_of_the_overlap(self):
-        self.study("table_1", [("indoor_1", 1, "as_lio", 0.1), ("indoor_1", 2, "as_lio", None, "failed"), ("indoor_1", 1, "fixed_10", 0.1)])
+        self.study("table_1", [("indoor_1", 1, "as_lio_plus", 0.1), ("indoor_1", 2, "as_lio_plus", None, "failed"), ("indoor_1", 1, "fixed_10", 0.1)])
         stages = ("window", "predict", "deskew", "sample", "associate", "solve", "overlap", "insert")
-        for method, overlap in (("as_lio", 0.0002), ("fixed_10", 0.001)):
+        for method, overlap in (("as_lio_plus", 0.0002), ("fixed_10", 0.001)):
             solve = [0.0008] * 99 + [0.0098]  # one update of 10 ms
             write_csv(self.root / f"runs/indoor_1_1/{method}/timings.csv",
                       {"t_ns": range(100), **{f"{name}_s": [0] * 100 for name in stages}, "solve_s": solve, "overlap_s": [overlap] * 100})
-        code, text, err = printed(update_cost.main, self.root, "--methods", "as_lio")
+        code, text, err = printed(update_cost.main, self.root, "--methods", "as_lio_plus")
         self.assertEqual(code, 0, err)
-        self.assertIn("| indoor_1 | as_lio | 1 | 1.00 | 1.09 | 18.3 |", text)
+        self.assertIn("| indoor_1 | as_lio_plus | 1 | 1.00 | 1.09 | 18.3 |", text)
         self.assertNotIn("fixed_10", text)
         code, _, err = printed(update_cost.main, self.root, "--methods", "gone")
         self.assertEqual(code, 2)

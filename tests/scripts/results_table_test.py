@@ -14,9 +14,9 @@ from study_folder import Study
 class ResultsTable(StudyCase):
     def one(self):
         return self.study("echo", [("a", 1, "no_echo", (0.1, 0.5)), ("a", 2, "no_echo", (0.3, 0.5)), ("a", 3, "no_echo", (0.2, 0.5)),
-                                   ("a", 1, "as_lio", (0.05, 0.5)), ("a", 2, "as_lio", (0.07, 0.5)),
-                                   ("a", 3, "as_lio", (None, None), "diverged")], figures=("ate_m", "end_to_end_m"),
-                          expectation=["the echo serves: ate_m of as_lio below that of no_echo on 2 of 3 pairs, needs 2: **holds**"])
+                                   ("a", 1, "as_lio_plus", (0.05, 0.5)), ("a", 2, "as_lio_plus", (0.07, 0.5)),
+                                   ("a", 3, "as_lio_plus", (None, None), "diverged")], figures=("ate_m", "end_to_end_m"),
+                          expectation=["the echo serves: ate_m of as_lio_plus below that of no_echo on 2 of 3 pairs, needs 2: **holds**"])
 
     def test_a_study_of_one_sequence(self):
         code, out, err = printed(results_table.main, self.one())
@@ -24,16 +24,16 @@ class ResultsTable(StudyCase):
         self.assertIn("| a | ATE [m] | end to end [cm] |", out)
         self.assertIn("| no_echo | 0.2000 (0.1000 to 0.3000) | 50.0 (50.0 to 50.0) |", out)
         # The median of two figures and a failure is the worse figure.
-        self.assertIn("| as_lio | 0.0700 (0.0500 to 0.0700), 1 of 3 failed |", out)
-        self.assertIn("| a | as_lio | 0.0500 | 0.0700 | x |", out)
-        self.assertIn("6 runs, 1 failed: a_3/as_lio: diverged.", out)
+        self.assertIn("| as_lio_plus | 0.0700 (0.0500 to 0.0700), 1 of 3 failed |", out)
+        self.assertIn("| a | as_lio_plus | 0.0500 | 0.0700 | x |", out)
+        self.assertIn("6 runs, 1 failed: a_3/as_lio_plus: diverged.", out)
         self.assertIn("--output out/echo --seeds 1-3\n", out)
         self.assertIn("on 2 of 3 pairs, needs 2: **holds**\n", out)
         self.assertNotIn("rotation", out)  # no run has it
         self.assertIn("Of the file, which the command runs whole, without ramp.", out)  # of experiments/echo.yaml
 
     def test_all_arms_of_a_file(self):
-        self.study("echo", [("a", 1, method, 0.1) for method in ("no_echo", "as_lio", "ramp")])
+        self.study("echo", [("a", 1, method, 0.1) for method in ("no_echo", "as_lio_plus", "ramp")])
         self.assertNotIn("Of the file", printed(results_table.main, self.root)[1])
         self.study("seg_step", [("a", 1, "frame_0.1_seg_step_0.03", 0.1)])  # varies a key
         self.assertNotIn("Of the file", printed(results_table.main, self.root)[1])
@@ -142,7 +142,7 @@ class ResultsTable(StudyCase):
             folder = self.root / f"data/a_{seed}"
             folder.mkdir(parents=True)
             (folder / "scene.yaml").write_text("# simulated with --seed 1 --scale 0.3\nschema: x\n")
-        folder = self.root / "runs/a_1/as_lio"
+        folder = self.root / "runs/a_1/as_lio_plus"
         folder.mkdir(parents=True)
         (folder / "manifest.json").write_text(json.dumps({"build": {"revision": "0123456789abcdef-dirty"}}))
         _, out, _ = printed(results_table.main, self.root)
@@ -155,14 +155,14 @@ class ResultsTable(StudyCase):
         self.assertRegex(out, r"(?m)^tools/analysis/results_table.py out/\w+ --best-fixed fixed_50$")
 
     def test_the_verdict_says_what_was_compared_with(self):
-        methods = ("fixed_10", "fixed_20", "fixed_50", "fixed_20_history", "as_lio")
+        methods = ("fixed_10", "fixed_20", "fixed_50", "fixed_20_history", "as_lio_plus")
         self.study("ideal_imu", [("a", 1, method, 0.1) for method in methods])
         self.assertIn("Best fixed rate: `fixed_10`, chosen **on these very data, which favours it", printed(results_table.main, self.root)[1])
         self.assertIn("Best fixed rate: `fixed_50`, as chosen by the caller.",
                       printed(results_table.main, self.root, "--best-fixed", "fixed_50")[1])
 
     def test_sequences_with_seeds_of_their_own_are_told(self):
-        self.study("echo", [(s, seed, "as_lio", 0.1) for s, seed in (("a", 1), ("a", 2), ("b", 7))])
+        self.study("echo", [(s, seed, "as_lio_plus", 0.1) for s, seed in (("a", 1), ("a", 2), ("b", 7))])
         out = printed(results_table.main, self.root)[1]
         self.assertIn("--output out/echo --seeds 1-2,7\n", out)
         self.assertIn("Seeds, of which the command makes all for every sequence: a 1-2, b 7.\n", out)
@@ -175,7 +175,7 @@ class ResultsTable(StudyCase):
         pages = self.root / "pages"
         self.assertEqual(printed(results_table.main, self.one(), "--into", pages, "--metrics", "ate_m")[0], 0)
         (pages / "older.md").write_text("# Study `older`\n\nWas it\nbetter?\n\n3 runs of 4, 0 failed. Revision 0123456789ab.\n")
-        self.study("echo", [("a", 1, "as_lio", 0.7)])
+        self.study("echo", [("a", 1, "as_lio_plus", 0.7)])
         printed(results_table.main, self.root, "--into", pages)
         text = (pages / "echo.md").read_text()
         self.assertTrue(text.startswith("# Study `echo`\n"))

@@ -11,11 +11,11 @@ from study_folder import Study
 class StudyFigures(StudyCase):
     def one(self, **more):
         runs = [(q, seed, m, (v * seed, 0.05 if m == "fixed_10" else 0.1)) for q, m, v in (
-            ("a", "fixed_10", 0.1), ("a", "as_lio", 0.05), ("b", "fixed_10", 0.2), ("b", "as_lio", 0.3)) for seed in (1, 2, 3)]
+            ("a", "fixed_10", 0.1), ("a", "as_lio_plus", 0.05), ("b", "fixed_10", 0.2), ("b", "as_lio_plus", 0.3)) for seed in (1, 2, 3)]
         runs += [("a", 1, "it's <b>", (0.2, 0.2)), ("b", 1, "it's <b>", (None, None), "diverged")]
         self.study("mine", runs, figures=("ate_m", "cpu_s_per_s"), **more)
         table = self.root / "table.md"
-        table.write_text(table.read_text() + "\n## What is compared\n\n| method | against | in |\n|---|---|---|\n| as_lio | fixed_10 | window |\n")
+        table.write_text(table.read_text() + "\n## What is compared\n\n| method | against | in |\n|---|---|---|\n| as_lio_plus | fixed_10 | window |\n")
         return self.root
 
     def test_every_figure_is_drawn_in_both_formats(self):
@@ -27,12 +27,12 @@ class StudyFigures(StudyCase):
                 self.assertIn(f"wrote {path}\n", out)
                 self.assertGreater(path.stat().st_size, 1000)
         text = (self.root / "figures/mine_ratios.svg").read_text()
-        for words in ("as_lio", "it's &lt;b>", "0.50", "1.50", "1.00", ">x<"):
+        for words in ("as_lio_plus", "it's &lt;b>", "0.50", "1.50", "1.00", ">x<"):
             self.assertIn(words, text, words)
 
     def test_medians_and_failures(self):
         figures = study_figures.Figures(Study(self.one()), "ate_m", None)
-        self.assertEqual(figures.medians("as_lio"), [0.1, 0.6])
+        self.assertEqual(figures.medians("as_lio_plus"), [0.1, 0.6])
         self.assertEqual(figures.medians("it's <b>"), [0.2, math.inf])
         script = figures.cost()
         self.assertIn("(1 failed)", script)  # hollow, and where the others are
@@ -42,7 +42,7 @@ class StudyFigures(StudyCase):
 
     def test_wrong_words(self):
         for more, complaint in ((["--metric", "nonsense"], "has such a figure"), (["--metric", "rpe"], "has such a figure"),
-                                (["--methods", "fixed_10,asl"], "the study has fixed_10, as_lio")):
+                                (["--methods", "fixed_10,asl"], "the study has fixed_10, as_lio_plus")):
             code, _, err = printed(study_figures.main, self.one(), "--output", self.root / "figures", *more)
             self.assertEqual(code, 2)
             self.assertIn(complaint, err)

@@ -40,7 +40,7 @@ DEG = math.radians(1e-3)  # of a thousandth of a degree
 
 
 class TurnErrors(StudyCase):
-    def made(self, errors, methods=("fixed_10", "as_lio"), statuses=("ok", "ok"), every=1):
+    def made(self, errors, methods=("fixed_10", "as_lio_plus"), statuses=("ok", "ok"), every=1):
         """A study whose methods have these errors (N, 3) of the attitude in W, in frames of their own."""
         root = self.study("study", [("hall", 1, method, 0.1, status) for method, status in zip(methods, statuses)])
         write_tum(root / "data/hall_1/truth.tum", T, np.outer(T, [1, 0, 0]), TRUE)
@@ -65,8 +65,8 @@ class TurnErrors(StudyCase):
         self.assertEqual(code, 0)
         # Turns of 50, 30 and (the glance) 0 thousandths; straights of 10 and 0.
         self.assertIn("| fixed_10 | 1 | 3 | 30.0 (33.7) | 5.0 (7.1) | 12.9 | 15.0 |", out)
-        self.assertIn("| as_lio | 1 | 3 | 15.0 (16.8) | 2.5 (3.5) | 6.5 | 7.5 |", out)
-        self.assertIn("- as_lio to fixed_10: a turn adds 0.50 times the tilt (r.m.s. by recording), less on 1 of 1", out)
+        self.assertIn("| as_lio_plus | 1 | 3 | 15.0 (16.8) | 2.5 (3.5) | 6.5 | 7.5 |", out)
+        self.assertIn("- as_lio_plus to fixed_10: a turn adds 0.50 times the tilt (r.m.s. by recording), less on 1 of 1", out)
         self.assertRegex(out, r"\| fixed_10 \| hall_1 \| 9\.\d \| 9\d \| 30\.\d, 40\.\d \| 20\.0 \|")
         self.assertRegex(out, r"\| fixed_10 \| hall_1 \| 19\.\d \| -\d\d \| -?0\.\d, -30\.\d \| -10\.0 \|")
         self.assertRegex(out, r"\| fixed_10 \| hall_1 \| 29\.\d \| -?\d \| ")
@@ -84,16 +84,16 @@ class TurnErrors(StudyCase):
         root = self.made([np.zeros((len(T), 3))] * 2, statuses=("ok", "failed"))
         code, out, _ = printed(turn_errors.main, root, "--against", "fixed_10")
         self.assertEqual(code, 0)
-        self.assertIn("| as_lio | 0 | 0 | - | - | - | - |", out)
-        self.assertIn("as_lio and fixed_10 have no recording with a turn in common", out)
+        self.assertIn("| as_lio_plus | 0 | 0 | - | - | - | - |", out)
+        self.assertIn("as_lio_plus and fixed_10 have no recording with a turn in common", out)
 
     def test_what_is_not_there_is_told(self):
         root = self.made([np.zeros((len(T), 3))] * 2)
         code, _, err = printed(turn_errors.main, root, "--against", "fixed_11")
-        self.assertEqual((code, "has no method fixed_11; there are fixed_10, as_lio" in err), (2, True))
+        self.assertEqual((code, "has no method fixed_11; there are fixed_10, as_lio_plus" in err), (2, True))
         code, out, _ = printed(turn_errors.main, root, "--only", "outdoor_*")
-        self.assertIn("| as_lio | 0 | 0 | - |", out)
-        (root / "runs/hall_1/as_lio/trajectory.tum").unlink()
+        self.assertIn("| as_lio_plus | 0 | 0 | - |", out)
+        (root / "runs/hall_1/as_lio_plus/trajectory.tum").unlink()
         code, _, err = printed(turn_errors.main, root)
         self.assertEqual((code, "trajectory.tum" in err), (2, True))
         (root / "data/hall_1/truth.tum").unlink()

@@ -2,7 +2,7 @@
 """How thin and how true the map of a run is: mean map entropy, and distance to the surfaces of the simulated world.
 
   aslio simulate configs/scenes/indoor_1.yaml --seed 101 --output sim --save-world world.ply
-  aslio run configs/pipelines/as_lio.yaml --dataset sim --output run --save-map map.ply
+  aslio run configs/pipelines/as_lio_plus.yaml --dataset sim --output run --save-map map.ply
   tools/analysis/map_consistency.py map.ply --world world.ply --trajectory run/trajectory.tum --truth sim/truth.tum
 
 Entropy (Droeschel and Behnke's MME): mean over points of ln det(2 pi e S) / 2, S the covariance of all points within

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A schedule for the window `replay` from the true overlap of simulated data: what AS-LIO would do if it knew.
 
-  tools/analysis/oracle_schedule.py out/yoked --like as_lio
+  tools/analysis/oracle_schedule.py out/yoked --like as_lio_plus
   tools/analysis/oracle_schedule.py out/table_1 --into out/yoked
   tools/analysis/oracle_schedule.py data/indoor_1/overlap.csv --output oracle.csv
 
@@ -15,8 +15,8 @@ t_ns, window_begin_ns. Needs numpy.
 
 overlap.csv compares with all that was seen up to 10 ms before, the overlap degree with a map that is older (SOD-3). So what was
 new within --memory counts as new: newness of 10 ms, summed over that time. At 0.02 s as many windows fall below 0.9 as measured
-by as_lio at 10 Hz (n_least 2, seg_step 0.1) on indoor_1 (scale 0.3, seeds 100 and 101: 34 and 35 against 34 and 33), with a correlation of 0.97.
-For the finer step of today's as_lio it was not calibrated anew: compare that one by --like.
+by as_lio_plus at 10 Hz (n_least 2, seg_step 0.1) on indoor_1 (scale 0.3, seeds 100 and 101: 34 and 35 against 34 and 33), with a correlation of 0.97.
+For the finer step of today's as_lio_plus it was not calibrated anew: compare that one by --like.
 """
 import argparse
 import math
@@ -168,8 +168,8 @@ def arguments(words):
     parser.add_argument("--into", metavar="STUDY", help="output folder of the study that reads the schedules")
     parser.add_argument("--like", metavar="METHOD", help="lengths as in that method's run of the study, in place of the rule")
     parser.add_argument("--frame-length", type=float, default=0.1, metavar="S")
-    parser.add_argument("--seg-step", type=float, default=0.005, help="that of as_lio")
-    parser.add_argument("--n-least", type=int, default=2, help="n where all is known: 2, as in as_lio and the paper, is 10 Hz, and 4 is 20 Hz")
+    parser.add_argument("--seg-step", type=float, default=0.005, help="that of as_lio_plus")
+    parser.add_argument("--n-least", type=int, default=2, help="n where all is known: 2, as in as_lio_plus and the paper, is 10 Hz, and 4 is 20 Hz")
     parser.add_argument("--n-max", type=int, default=25)
     parser.add_argument("--shift-min", type=float, default=0.008, metavar="S")
     parser.add_argument("--warmup", type=float, default=1.0, metavar="S", help="n is least until this long after the begin; with --like, updates keep their place until this long after the first")

@@ -47,28 +47,28 @@ def against_all(report, method):
 def adaptivity(report, options):
     best = chosen_rate(report, options, SINGLE)
     report.medians(report.study.methods)
-    against_all(report, "as_lio")
-    beats(report, "as_lio", "fixed_10", 8, NINE, "better than the fixed window")
-    beats(report, "as_lio", best, 6, NINE, "better than the best single rate")
-    beats_pairs(report, "as_lio", "shifted")
-    no_divergence(report, "as_lio")
+    against_all(report, "as_lio_plus")
+    beats(report, "as_lio_plus", "fixed_10", 8, NINE, "better than the fixed window")
+    beats(report, "as_lio_plus", best, 6, NINE, "better than the best single rate")
+    beats_pairs(report, "as_lio_plus", "shifted")
+    no_divergence(report, "as_lio_plus")
 
 
 def ideal_imu(report, options):
     best = chosen_rate(report, options, SINGLE)
     report.medians(report.study.methods)
-    if not report.needs("as_lio", best):
+    if not report.needs("as_lio_plus", best):
         return
     lines, harmless = [], []
     for sequence in report.study.sequences:
-        fixed, ours = report.median(best, sequence), report.median("as_lio", sequence)
+        fixed, ours = report.median(best, sequence), report.median("as_lio_plus", sequence)
         if ours is None or fixed is None:
             continue
         # Where the fixed rate fails, nothing is lost.
         share = ours / fixed if not math.isinf(fixed) else math.inf if math.isinf(ours) else 0.0
         lines.append([sequence, number(share, 3)])
         harmless.append(share <= 1.1 or (math.isinf(fixed) and math.isinf(ours)))
-    report.text(f"as_lio over {best}:")
+    report.text(f"as_lio_plus over {best}:")
     report.table(["sequence", "ratio"], lines)
     outcome = False if not all(harmless) else True if len(harmless) >= NINE else None
     report.claim(f"at most 10 % above {best} on {sum(harmless)} of {len(harmless)} sequences (needs {NINE})", outcome)
@@ -111,12 +111,12 @@ def window_ablation(report, options):
     best = chosen_rate(report, options, FASTER)
     report.medians(report.study.methods)
     report.comparison([(method, "fixed_10") for method in report.study.methods if method != "fixed_10"])
-    report.comparison([("as_lio", other) for other in dict.fromkeys(
+    report.comparison([("as_lio_plus", other) for other in dict.fromkeys(
         [best, "motion_rate", "imu_rate", "sod_hard", "lookahead", "weak_views", "least_20", "no_history", "overlapping"])])
     beats(report, best, "fixed_10", 6, NINE, "rate pays")
-    beats(report, "as_lio", best, 6, NINE, "adapting pays")
-    beats(report, "as_lio", "motion_rate", 6, NINE, "overlap pays")
-    no_divergence(report, "as_lio")
+    beats(report, "as_lio_plus", best, 6, NINE, "adapting pays")
+    beats(report, "as_lio_plus", "motion_rate", 6, NINE, "overlap pays")
+    no_divergence(report, "as_lio_plus")
 
 
 def yoked(report, _):
@@ -124,16 +124,16 @@ def yoked(report, _):
     report.medians(report.study.methods)
     report.medians(report.study.methods, "updates")
     found.tell(report, "updates")
-    against_all(report, "as_lio")
+    against_all(report, "as_lio_plus")
     if "replayed" in report.study.methods:
-        same = report.study.pairs("as_lio", "replayed", "ate_m")
+        same = report.study.pairs("as_lio_plus", "replayed", "ate_m")
         report.claim(f"check: the replayed schedule gives the same ATE in {sum(a == b for a, b in same)} of {len(same)} pairs",
                      all(a == b for a, b in same) if same else None)
     for control in ("shifted", "shuffled"):
-        beats(report, "as_lio", control, 6, NINE, "adaptivity helps")
-        beats_pairs(report, "as_lio", control)
+        beats(report, "as_lio_plus", control, 6, NINE, "adaptivity helps")
+        beats_pairs(report, "as_lio_plus", control)
     for control in ("fixed_mean", "gyro"):
-        beats_alike(report, found, "updates", "as_lio", control, 6, NINE, "as many updates")
+        beats_alike(report, found, "updates", "as_lio_plus", control, 6, NINE, "as many updates")
 
 
 def beats_alike(report, found, name, method, other, needed, of, claim):
@@ -153,15 +153,15 @@ def equal_points(report, _):
     report.medians(report.study.methods)
     for name in ("matches", "information", "updates"):
         found.tell(report, name)
-    report.comparison([("fixed_20_equal", "fixed_10_equal"), ("fixed_50_equal", "fixed_10_equal"), ("as_lio_share", "fixed_10_share"),
-                       ("fixed_50_share", "fixed_10_share"), ("fixed_50_history", "fixed_50_equal"), ("as_lio", "fixed_10"),
-                       ("fixed_50_information", "fixed_10"), ("as_lio_information", "fixed_10"),
-                       ("fixed_50_spaced", "fixed_10_spaced"), ("as_lio_spaced", "fixed_10_spaced")])
+    report.comparison([("fixed_20_equal", "fixed_10_equal"), ("fixed_50_equal", "fixed_10_equal"), ("as_lio_plus_share", "fixed_10_share"),
+                       ("fixed_50_share", "fixed_10_share"), ("fixed_50_history", "fixed_50_equal"), ("as_lio_plus", "fixed_10"),
+                       ("fixed_50_information", "fixed_10"), ("as_lio_plus_information", "fixed_10"),
+                       ("fixed_50_spaced", "fixed_10_spaced"), ("as_lio_plus_spaced", "fixed_10_spaced")])
     beats_alike(report, found, "matches", "fixed_50_equal", "fixed_10_equal", 6, NINE, "the rate pays at equal points")
-    beats_alike(report, found, "matches", "as_lio_share", "fixed_10_share", 6, NINE, "adapting pays at equal points")
+    beats_alike(report, found, "matches", "as_lio_plus_share", "fixed_10_share", 6, NINE, "adapting pays at equal points")
     beats_alike(report, found, "information", "fixed_50_information", "fixed_10", 6, NINE, "the rate pays at equal information")
-    beats_alike(report, found, "information", "as_lio_information", "fixed_10", 6, NINE, "adapting pays at equal information")
-    beats(report, "as_lio_spaced", "fixed_10_spaced", 6, NINE, "adapting pays at equal insertion")
+    beats_alike(report, found, "information", "as_lio_plus_information", "fixed_10", 6, NINE, "adapting pays at equal information")
+    beats(report, "as_lio_plus_spaced", "fixed_10_spaced", 6, NINE, "adapting pays at equal insertion")
     if report.needs("fixed_50_history", "fixed_50_equal"):
         lower = report.medians_below("fixed_50_history", "fixed_50_equal", factor=0.9)
         kept = lower.count() - lower.won
@@ -178,33 +178,33 @@ def compute_saving(report, _):
         report.medians(report.study.methods, metric)
     lines, saved, alone = [], 0, 0
     for sequence in report.study.sequences:
-        ours, cost = (report.median("as_lio", sequence, metric) for metric in ("ate_m", "cpu_s_per_s"))
+        ours, cost = (report.median("as_lio_plus", sequence, metric) for metric in ("ate_m", "cpu_s_per_s"))
         found = ours is not None and not math.isinf(ours)
         equal = {method: report.median(method, sequence, "cpu_s_per_s") for method in report.study.methods
-                 if found and method != "as_lio" and (report.median(method, sequence) or math.inf) <= 1.1 * ours}
+                 if found and method != "as_lio_plus" and (report.median(method, sequence) or math.inf) <= 1.1 * ours}
         cheaper = [method for method, price in equal.items() if below(price, cost)]
         wins = found and not cheaper
         saved += wins
         alone += wins and not equal
-        lines.append([sequence, ", ".join(equal) or ("none" if found else "as_lio is lost"), ", ".join(cheaper) or "none", "yes" if wins else "no"])
-    report.text("Methods with at most 1.1 times the median ATE of as_lio:")
-    report.table(["sequence", "as accurate", "and cheaper", "as_lio saves"], lines)
-    report.claim(f"as_lio saves on {saved} of {len(lines)} sequences (needs 6 of {NINE})", at_least(saved, 6, NINE, len(lines)))
+        lines.append([sequence, ", ".join(equal) or ("none" if found else "as_lio_plus is lost"), ", ".join(cheaper) or "none", "yes" if wins else "no"])
+    report.text("Methods with at most 1.1 times the median ATE of as_lio_plus:")
+    report.table(["sequence", "as accurate", "and cheaper", "as_lio_plus saves"], lines)
+    report.claim(f"as_lio_plus saves on {saved} of {len(lines)} sequences (needs 6 of {NINE})", at_least(saved, 6, NINE, len(lines)))
     if alone:
         report.text(f"- on {alone} of these no rival is as accurate")
 
 
 def dynamic_people(report, _):
     report.medians(report.study.methods)
-    report.medians(["as_lio"], "updates")
-    report.comparison([("as_lio", "no_history"), ("as_lio", "fixed_10")])
+    report.medians(["as_lio_plus"], "updates")
+    report.comparison([("as_lio_plus", "no_history"), ("as_lio_plus", "fixed_10")])
     base = "indoor_1_people_"
-    if report.needs("as_lio", "no_history"):
+    if report.needs("as_lio_plus", "no_history"):
         crowded = [base + count for count in ("10", "20") if base + count in report.study.sequences]
-        tally = report.medians_below("as_lio", "no_history", sequences=crowded) if crowded else pairs.Tally()
+        tally = report.medians_below("as_lio_plus", "no_history", sequences=crowded) if crowded else pairs.Tally()
         report.claim(f"history helps with 10 and with 20 people: on {tally.won} of {tally.count()} (needs 2 of 2)",
                      at_least(tally.won, 2, 2, tally.count()))
-    few, many = report.median("as_lio", base + "0", "updates"), report.median("as_lio", base + "20", "updates")
+    few, many = report.median("as_lio_plus", base + "0", "updates"), report.median("as_lio_plus", base + "20", "updates")
     if few and many and not math.isinf(few + many):
         report.claim(f"people disturb the overlap: {few:g} updates with none, {many:g} with 20 (needs a change above 10 %)",
                      abs(many / few - 1) > 0.1)
@@ -225,13 +225,13 @@ def no_other_below(report, default, others, factor, needed, of, claim):
 
 def imu_rate_sweep(report, _):
     report.medians(report.study.methods)
-    if not report.needs("fixed_10", "as_lio"):
+    if not report.needs("fixed_10", "as_lio_plus"):
         return
     for place in ("indoor_1", "outdoor_4"):
         ratios = []
         for rate in (50, 100, 200, 400, 1000):
-            ratios.append(report.ratio("fixed_10", "as_lio", f"{place}_imu_{rate}"))
-        report.text(f"{place}, fixed_10 over as_lio at 50, 100, 200, 400, 1000 Hz: " + ", ".join(number(r, 3) for r in ratios) + ".")
+            ratios.append(report.ratio("fixed_10", "as_lio_plus", f"{place}_imu_{rate}"))
+        report.text(f"{place}, fixed_10 over as_lio_plus at 50, 100, 200, 400, 1000 Hz: " + ", ".join(number(r, 3) for r in ratios) + ".")
         both = ratios[0] is not None and ratios[-1] is not None
         report.claim(f"{place}: the ratio is larger at 50 Hz than at 1000 Hz", ratios[0] > ratios[-1] if both else None)
 

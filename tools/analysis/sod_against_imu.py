@@ -2,7 +2,7 @@
 """How well the overlap degree and the IMU tell sudden changes of view: table (Markdown and CSV) and pictures (SVG).
 
   tools/analysis/sod_against_imu.py out/sod_against_imu --output out/figures
-  tools/analysis/sod_against_imu.py --run out/indoor_1/as_lio --data out/indoor_1/data --output out/figures
+  tools/analysis/sod_against_imu.py --run out/indoor_1/as_lio_plus --data out/indoor_1/data --output out/figures
 
 Takes the output folder of `aslio experiment`, or runs of `aslio run` over data of `aslio simulate`. Per run the signals are
 1 - O of every update (updates.csv), and the largest turn rate and deviation of the specific force from gravity since the

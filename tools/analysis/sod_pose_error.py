@@ -99,7 +99,7 @@ def arguments(words):
     parser.add_argument("dataset", nargs="+", type=pathlib.Path, help="folder of aslio simulate, or dataset file")
     parser.add_argument("--aslio", required=True, type=pathlib.Path, help="the program")
     parser.add_argument("--output", required=True, type=pathlib.Path, help="folder for the tables")
-    parser.add_argument("--pipeline", type=pathlib.Path, default=ROOT / "configs/pipelines/as_lio.yaml")
+    parser.add_argument("--pipeline", type=pathlib.Path, default=ROOT / "configs/pipelines/as_lio_plus.yaml")
     parser.add_argument("--position-error", type=float, default=0.02, help="[m]")
     parser.add_argument("--rotation-error", type=float, default=0.3, help="[deg]")
     parser.add_argument("--margin", type=float, default=0.4, help="[m], of the soft metric with a margin in metres")

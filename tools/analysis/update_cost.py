@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """CPU time of single updates, and the overlap's share of it, from timings.csv: a table (Markdown).
 
-  tools/analysis/update_cost.py out/table_1 --methods as_lio,as_lio_paper_rate
+  tools/analysis/update_cost.py out/table_1 --methods as_lio_plus,as_lio_plus_paper_rate
 
 Takes the output folder of `aslio experiment`. An update's time is the sum of its stages. Medians over the runs of a sequence.
 Times of runs that shared the machine with others are upper bounds: run with `--jobs 1` on an idle one for figures to report.

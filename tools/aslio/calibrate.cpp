@@ -114,8 +114,8 @@ Command add_calibrate(CLI::App& root) {
       ->required();
   app->footer(
       "Several walks tell more than one, and a walk tells of the axes it turns about. Example:\n"
-      "  aslio run configs/pipelines/as_lio.yaml --input walk_1.bag --sensor mine.yaml --output out/walk_1\n"
-      "  aslio run configs/pipelines/as_lio.yaml --input walk_2.bag --sensor mine.yaml --output out/walk_2\n"
+      "  aslio run configs/pipelines/as_lio_plus.yaml --input walk_1.bag --sensor mine.yaml --output out/walk_1\n"
+      "  aslio run configs/pipelines/as_lio_plus.yaml --input walk_2.bag --sensor mine.yaml --output out/walk_2\n"
       "  aslio calibrate out/walk_1 out/walk_2 --output mine_calibrated.yaml");
   return {app, [=] { return calibrate(*arguments); }};
 }

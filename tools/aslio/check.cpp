@@ -46,7 +46,7 @@ Command add_check(CLI::App& root) {
   app->add_option("FILE", arguments->files, "files to check")->required();
   add_plugin_option(*app, arguments->plugins);
   app->footer(
-      "Example:\n  aslio check configs/pipelines/as_lio.yaml configs/sensors/livox_avia.yaml "
+      "Example:\n  aslio check configs/pipelines/as_lio_plus.yaml configs/sensors/livox_avia.yaml "
       "configs/scenes/quickstart.yaml");
   return {app, [=] { return check(*arguments); }};
 }

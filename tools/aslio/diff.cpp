@@ -40,7 +40,7 @@ Command add_diff(CLI::App& root) {
   app->add_option("A", arguments->a, "a file")->required();
   app->add_option("B", arguments->b, "another of the same kind")->required();
   add_plugin_option(*app, arguments->plugins);
-  app->footer("Example:\n  aslio diff configs/pipelines/fixed_window.yaml configs/pipelines/as_lio.yaml");
+  app->footer("Example:\n  aslio diff configs/pipelines/fixed_window.yaml configs/pipelines/as_lio_plus.yaml");
   return {app, [=] { return diff(*arguments); }};
 }
 

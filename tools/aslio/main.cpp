@@ -118,7 +118,7 @@ int run_command_line(int argc, char** argv) {
   root.require_subcommand(1);
   root.footer(
       "Example:\n"
-      "  aslio run configs/pipelines/as_lio.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
+      "  aslio run configs/pipelines/as_lio_plus.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
       "--output out/corridor\n\n"
       "Exit codes: 0 ok, 1 failed or diverged, 2 wrong usage or configuration, 3 bad or truncated data, 4 degraded, "
       "130 interrupted.\n"

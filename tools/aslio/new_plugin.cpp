@@ -170,7 +170,7 @@ int new_plugin(const NewPluginArguments& a) {
   const Names names = names_of(a.stage, load_stages({}).catalog);
   const fs::path folder = new_folder(a.directory);
   const fs::path templates = data_path("templates/plugin");
-  const fs::path pipeline = data_path("configs/pipelines/as_lio.yaml");
+  const fs::path pipeline = data_path("configs/pipelines/as_lio_plus.yaml");
   if (!fs::is_directory(templates / names.family)) {
     throw ConfigError(fmt::format("there is no template for the family '{}'", names.family));
   }
@@ -178,7 +178,7 @@ int new_plugin(const NewPluginArguments& a) {
     const Unfinished unfinished(folder);
     copy_filled(templates / "common", unfinished.path(), names);
     copy_filled(templates / names.family, unfinished.path(), names);
-    write(unfinished.path() / "study" / "as_lio.yaml", content_of(pipeline));
+    write(unfinished.path() / "study" / "as_lio_plus.yaml", content_of(pipeline));
     unfinished.finish();
   } catch (const fs::filesystem_error& error) {
     throw DataError(fmt::format("{}: cannot be written: {}", folder.string(), error.code().message()));

@@ -157,7 +157,7 @@ Command add_overlap(CLI::App& root) {
   add_options(*app, *arguments);
   app->footer(
       "Example:\n"
-      "  aslio overlap configs/pipelines/as_lio.yaml --dataset out/quickstart/data --output out/overlap.csv "
+      "  aslio overlap configs/pipelines/as_lio_plus.yaml --dataset out/quickstart/data --output out/overlap.csv "
       "--set overlap.voxel=0.2 --position-error 0.02 --rotation-error 0.3");
   return {app, [=] { return score(*arguments, *app); }};
 }

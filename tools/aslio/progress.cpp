@@ -49,6 +49,10 @@ void ProgressBar::clear() const {
   if (!quiet_ && terminal_) clear_bar();
 }
 
+void ProgressDisplay::on_notice(const std::string& notice) {
+  if (!quiet_) tell("note: " + notice);
+}
+
 void ProgressDisplay::on_start(const io::SourceNotes& notes) {
   if (!quiet_) {
     for (const std::string& verdict : notes.verdicts) tell(verdict);

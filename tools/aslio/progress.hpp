@@ -38,6 +38,7 @@ class ProgressDisplay final : public experiment::RunMonitor {
   void on_start(const io::SourceNotes& notes) override;
   void on_progress(const experiment::Progress& progress) override;
   bool stop_requested() override;
+  void on_notice(const std::string& notice) override;
   void clear() const { bar_.clear(); }
 
  private:

@@ -177,9 +177,9 @@ Command add_run(CLI::App& root, const std::vector<std::string>& command_line) {
       "Writes trajectory.tum, trajectory_lidar.tum, updates.csv, timings.csv, summary.json, resolved.yaml and "
       "manifest.json.\n\n"
       "Example:\n"
-      "  aslio run configs/pipelines/as_lio.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
+      "  aslio run configs/pipelines/as_lio_plus.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
       "--output out/corridor --set window.seg_step=0.04 --save-map out/corridor/map.ply\n"
-      "  aslio run configs/pipelines/as_lio.yaml --dataset out/quickstart/data --output out/quickstart/as_lio");
+      "  aslio run configs/pipelines/as_lio_plus.yaml --dataset out/quickstart/data --output out/quickstart/as_lio_plus");
   return {app, [=] { return run_pipeline(*arguments, *app, command_line); }};
 }
 

@@ -4,7 +4,7 @@
 Replicate i uses stride phase (--seed) i and starts i/(N-1) * 0.5 s into the recording: results that should agree, so that their
 spread says how much of a difference between two pipelines is luck. Standard library only.
 
-  tools/benchmarks/replicates.py --aslio build/release/tools/aslio/aslio --pipeline configs/pipelines/as_lio.yaml \\
+  tools/benchmarks/replicates.py --aslio build/release/tools/aslio/aslio --pipeline configs/pipelines/as_lio_plus.yaml \\
       --input avia_corridor.bag --sensor configs/sensors/livox_avia.yaml --reference avia_corridor.gt.tum --output out/replicates
 """
 import argparse

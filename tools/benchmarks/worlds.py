@@ -2,7 +2,7 @@
 """Run pipelines on the analytic world with several seeds (noise, biases and phase of the walk differ), and report median and range.
 
   tools/benchmarks/worlds.py --aslio build/release/tools/aslio/aslio --simulator build/release/tools/simulator/aslio_simulate_world \\
-      --pipeline configs/pipelines/as_lio.yaml configs/pipelines/fixed_window.yaml --sensor configs/sensors/livox_avia.yaml \\
+      --pipeline configs/pipelines/as_lio_plus.yaml configs/pipelines/fixed_window.yaml --sensor configs/sensors/livox_avia.yaml \\
       --output out/worlds --seeds 1 2 3 4 5 6
 """
 import argparse

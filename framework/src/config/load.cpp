@@ -61,6 +61,18 @@ Node overridden(const Node& written, std::span<const Override> overrides, const 
   }
 }
 
+/// What the file is an alias of; empty: nothing.
+std::string alias_in(const std::filesystem::path& path) {
+  const std::string text = read_text(path);
+  if (text.find("\nalias:") == std::string::npos) return {};  // spares every other file a second parsing
+  const Node root = parse_document(text, path.string());
+  const Member* alias = root.is_map() && root.members().size() == 2 ? root.find("alias") : nullptr;
+  if (alias == nullptr) return {};
+  const Node& name = alias->value;
+  if (!name.is_scalar() || name.text().empty()) reject(name.at(), "alias must name a file beside this one");
+  return name.text();
+}
+
 /// The file as a whole is where a missing key is missing.
 Location start_of(const Node& root) {
   Location at = root.at();
@@ -85,6 +97,16 @@ std::string_view name(FileKind kind) {
       return "study";
   }
   return {};
+}
+
+std::filesystem::path follow_alias(const std::filesystem::path& path) {
+  const std::string alias = alias_in(path);
+  if (alias.empty()) return path;
+  const std::filesystem::path target = path.parent_path() / alias;
+  if (!alias_in(target).empty()) {
+    throw ConfigError(path.string() + ": alias " + quote(alias) + " is an alias itself: name the file that it stands for");
+  }
+  return target;
 }
 
 FileKind peek_kind(const std::filesystem::path& path) {

@@ -167,7 +167,7 @@ RunCalibration read_calibration(const fs::path& run, const config::StageLookup& 
   if (!S_learnt && !delay_learnt) {
     throw DataError(
         fmt::format("{}: the run has learnt nothing of its IMU; set `estimator.gyro_calibration: full` and "
-                    "`estimator.time_offset: true` (as in configs/pipelines/as_lio.yaml), and let the sensor turn",
+                    "`estimator.time_offset: true` (as in configs/pipelines/as_lio_plus.yaml), and let the sensor turn",
                     run.string()));
   }
   out.gyro_sensitivity.value =

@@ -71,6 +71,14 @@ Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
   return prepared;
 }
 
+void notify(RunMonitor& monitor, const RunOptions& options, const Prepared& prepared) {
+  if (!prepared.pipeline.alias_of.empty()) {
+    monitor.on_notice(fmt::format("{} is the old name of {}", options.pipeline.filename().string(),
+                                  prepared.pipeline.alias_of.filename().string()));
+  }
+  if (const std::string& notice = prepared.pipeline.value.notice; !notice.empty()) monitor.on_notice(notice);
+}
+
 /// Before the run: the digest of a large input takes a while, and must not count as CPU time of the method.
 Manifest identify(const RunOptions& options, const Prepared& prepared) {
   Manifest manifest;
@@ -323,6 +331,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   Manifest manifest;
   const auto source = open_source(options, prepared, manifest);
 
+  notify(monitor, options, prepared);
   monitor.on_start(source->notes());
   const std::vector<std::string> told = source->notes().warnings;
   RunResult result;

@@ -55,7 +55,7 @@ std::string recording_identity(const Dataset& dataset) {
   return sha256_of(text);
 }
 
-/// The stages that read what a run of the study makes: "window" for `window.file={run:as_lio}/updates.csv`.
+/// The stages that read what a run of the study makes: "window" for `window.file={run:as_lio_plus}/updates.csv`.
 std::vector<std::string> made_later(const std::vector<std::string>& assignments) {
   std::vector<std::string> keys;
   for (const std::string& assignment : assignments) {

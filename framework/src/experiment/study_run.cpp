@@ -423,7 +423,7 @@ class Schedule {
     monitor_.on_progress(progress);
   }
 
-  /// "[3/90] indoor_1_3/as_lio: ok, ate_m 0.0312, 14.2 s; 0:14:20 left".
+  /// "[3/90] indoor_1_3/as_lio_plus: ok, ate_m 0.0312, 14.2 s; 0:14:20 left".
   void tell(std::size_t i) {
     const StudyRow& row = *result_.rows[i];
     std::string line = fmt::format("[{}/{}] {}/{}: {}", done_, total_, study_.data[result_.runs[i].data].name,

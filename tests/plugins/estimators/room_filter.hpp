@@ -51,7 +51,7 @@ struct Filter {
     const bool other = !overrides.empty() && overrides.front().starts_with("estimator=");
     if (!other) all.emplace_back("estimator={type: ieskf}");
     all.insert(all.end(), overrides.begin(), overrides.end());
-    const pipeline::PipelineConfig config = shipped("as_lio", all, catalog);
+    const pipeline::PipelineConfig config = shipped("as_lio_plus", all, catalog);
     estimator = config.estimator.make(environment.context());
     map = config.map.make(environment.context());
     initial.state.t = kRoomEpoch;

@@ -31,7 +31,14 @@ struct Loaded {
   std::vector<std::string> plugin_types;
   /// What was written, with the overrides: each part knows its place.
   Node tree;
+  /// The file that was read is an alias of this one; empty: it is none.
+  std::filesystem::path alias_of;
 };
+
+/// The file that `path` stands for. A file with nothing but `schema` and `alias: other.yaml` is an old name of that
+/// file, beside it; all others stand for themselves. Throws ConfigError where a file is missing, or where the alias of an
+/// alias is asked for.
+std::filesystem::path follow_alias(const std::filesystem::path& path);
 
 /// What the file says it is. Throws ConfigError as load() does for a file without a known schema.
 FileKind peek_kind(const std::filesystem::path& path);
@@ -57,11 +64,15 @@ Loaded<T> parse(std::string_view text, const std::string& source, FileKind kind,
   return loaded;
 }
 
-/// Reads the file. Throws ConfigError naming it when it is missing, unreadable or a directory.
+/// Reads the file, or the one that it is an alias of. Throws ConfigError naming it when it is missing, unreadable or a
+/// directory.
 template <class T>
 Loaded<T> load(const std::filesystem::path& path, FileKind kind, const StageLookup& stages,
                std::span<const Override> overrides = {}) {
-  return parse<T>(read_text(path), path.string(), kind, stages, overrides);
+  const std::filesystem::path file = follow_alias(path);
+  Loaded<T> loaded = parse<T>(read_text(file), file.string(), kind, stages, overrides);
+  if (file != path) loaded.alias_of = file;
+  return loaded;
 }
 
 }  // namespace aslio::config

@@ -58,6 +58,8 @@ class RunMonitor {
   /// Everything has been checked and the first measurement is about to be read.
   virtual void on_start(const io::SourceNotes& notes) = 0;
   virtual void on_progress(const Progress& progress) = 0;
+  /// Something to know about the pipeline: before on_start().
+  virtual void on_notice(const std::string& /*notice*/) {}
   /// Asked between measurements: true ends the run with status `interrupted`.
   virtual bool stop_requested() = 0;
 };

@@ -31,7 +31,7 @@ struct StudyOptions {
 struct StudyProgress {
   /// A run, a simulation, or a task of a cluster.
   struct Active {
-    std::string name;    ///< "indoor_1_3/as_lio", "indoor_1_4: simulation"
+    std::string name;    ///< "indoor_1_3/as_lio_plus", "indoor_1_4: simulation"
     double since_s = 0;  ///< it began
   };
   std::size_t total = 0, done = 0, failed = 0;  ///< runs of this call
