@@ -116,12 +116,18 @@ int describe(const DescribeArguments& a) {
     print(config::plugin_reference(stages.catalog));
     return kSuccess;
   }
+  const std::vector<std::string> families = stages.catalog.families();
+  if (!a.markdown && std::find(families.begin(), families.end(), a.what) != families.end()) {
+    print(family_text(stages.catalog, a.what));
+    print(fmt::format("`aslio describe {}/TYPE` shows the parameters of one\n", a.what));
+    return kSuccess;
+  }
   const std::size_t slash = a.what.find('/');
   if (a.markdown || slash == std::string::npos) {
-    throw ConfigError(
-        fmt::format("name a stage as FAMILY/TYPE (for example windows/fixed; `aslio list` tells them), a file as "
-                    "'pipeline', 'sensor', 'dataset', 'scene' or 'study', or --markdown for all stages, not '{}'",
-                    a.what));
+    throw ConfigError(fmt::format(
+        "name a stage as FAMILY/TYPE (for example windows/fixed; `aslio list` shows all), a family, a file as "
+        "'pipeline', 'sensor', 'dataset', 'scene' or 'study', or --markdown for all stages, not '{}'",
+        a.what));
   }
   print(config::describe_stage(stages.catalog, a.what.substr(0, slash), a.what.substr(slash + 1)));
   return kSuccess;
@@ -133,7 +139,8 @@ Command add_describe(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "describe", "Tells the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
   auto arguments = std::make_shared<DescribeArguments>();
-  app->add_option("FAMILY/TYPE", arguments->what, "the stage, or the file: pipeline, sensor, dataset, scene, study");
+  app->add_option("FAMILY/TYPE", arguments->what,
+                  "the stage, a family of stages, or the file: pipeline, sensor, dataset, scene, study");
   app->add_flag("--markdown", arguments->markdown, "as Markdown: the keys of a file, or of all stages");
   add_plugin_option(*app, arguments->plugins);
   app->footer("Example:\n  aslio describe windows/sod_adaptive\n  aslio describe scene");

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <memory>
 
 #include "aslio/core/errors.hpp"
@@ -17,17 +16,6 @@ struct ListArguments {
   std::string family;
   std::vector<std::string> plugins;
 };
-
-std::string family_text(const plugin::Catalog& catalog, const std::string& family) {
-  std::string text = family + "\n";
-  for (const std::string& type : catalog.types(family)) {
-    const auto* entry = catalog.find(family, type);
-    fmt::format_to(std::back_inserter(text), "  {:<18} {}", type, entry->doc);
-    if (entry->origin != "built-in") fmt::format_to(std::back_inserter(text), " [{}]", entry->origin);
-    text += '\n';
-  }
-  return text;
-}
 
 int list(const ListArguments& a) {
   const Stages stages = load_stages(a.plugins);

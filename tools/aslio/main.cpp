@@ -96,6 +96,21 @@ void require_known_command(const std::vector<Command>& commands, const std::vect
                                 fmt::join(names, ", ")));
 }
 
+/// CLI11 would first miss the option that was mistyped.
+void require_known_options(const std::vector<Command>& commands, const std::vector<std::string>& command_line) {
+  for (const Command& command : commands) {
+    if (command_line.size() < 2 || command.app->get_name() != command_line[1]) continue;
+    std::vector<std::string> unknown;
+    for (std::size_t i = 2; i < command_line.size(); ++i) {
+      const std::string name = command_line[i].substr(0, command_line[i].find('='));
+      if (name.starts_with("--") && name != "--" && command.app->get_option_no_throw(name) == nullptr) {
+        unknown.push_back(command_line[i]);
+      }
+    }
+    if (!unknown.empty()) throw ConfigError(unknown_options(*command.app, unknown));
+  }
+}
+
 /// No argument may be empty; a path that is would stand for the working folder, or for none given.
 void require_values(const std::vector<std::string>& command_line) {
   for (std::size_t i = 1; i < command_line.size(); ++i) {
@@ -127,8 +142,14 @@ int run_command_line(int argc, char** argv) {
   const auto commands = add_commands(root, command_line);
   require_known_command(commands, command_line);
   require_values(command_line);
+  require_known_options(commands, command_line);
   try {
     root.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    const auto parsed = root.get_subcommands();
+    const CLI::App& app = parsed.empty() ? root : *parsed.front();
+    complain(unknown_options(app, root.remaining(true)));
+    return kWrongUsage;
   } catch (const CLI::ParseError& error) {
     std::ostringstream out, err;
     const int code = root.exit(error, out, err) == 0 ? kSuccess : kWrongUsage;  // --help is reported as an error, too

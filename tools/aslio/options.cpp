@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 #include <system_error>
 #include <utility>
 
 #include "console.hpp"
+#include "data_folder.hpp"
 
 namespace aslio::cli {
 
@@ -77,6 +79,43 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+CLI::Validator existing_pipeline() {
+  return {[](std::string& text) {
+            namespace fs = std::filesystem;
+            std::error_code ignored;
+            if (fs::is_regular_file(text, ignored)) return std::string();
+            if (fs::exists(text, ignored)) return fmt::format("{}: not a file", text);
+            const fs::path folder = data_path("configs/pipelines");
+            std::vector<std::string> names;
+            for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().stem());
+            std::sort(names.begin(), names.end());
+            const std::string asked = fs::path(text).stem();
+            const bool known = std::binary_search(names.begin(), names.end(), asked);
+            const std::string near = known ? asked : nearest_name(asked, names);
+            return fmt::format(
+                "{}: no such file{}; pipelines in {}: {}", text,
+                near.empty() ? "" : fmt::format(" (did you mean {}?)", (folder / (near + ".yaml")).string()),
+                folder.string(), fmt::join(names, ", "));
+          },
+          ""};
+}
+
+std::string unknown_options(const CLI::App& app, const std::vector<std::string>& extras) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  std::string text;
+  for (const std::string& word : extras) {
+    if (!text.empty()) text += "; ";
+    const std::string name = word.substr(0, word.find('='));
+    const std::string near = name.starts_with("--") ? nearest_name(name, names) : "";
+    text += fmt::format("unknown {} '{}'{}", word.starts_with('-') ? "option" : "argument", printable(word),
+                        near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near));
+  }
+  return fmt::format("{}; `aslio {} --help` shows what there is", text, app.get_name());
+}
 
 CLI::Validator seconds(bool positive) {
   return {[positive](std::string& text) { return check_seconds(text, positive); }, ""};

@@ -17,6 +17,12 @@ CLI::Validator one_of(std::string_view what, std::vector<std::string> names);
 /// A whole number in [min, max] without sign.
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 
+/// A pipeline file that exists; where there is none of that name, the message lists those that come with the program.
+CLI::Validator existing_pipeline();
+
+/// "unknown option '--ouput' (did you mean '--output'?)" for what `app` did not know; `extras`: those words.
+std::string unknown_options(const CLI::App& app, const std::vector<std::string>& extras);
+
 /// The one of `names` with the fewest letters to insert, delete or replace, at most 2 of them; empty when none is near.
 std::string nearest_name(std::string_view wrong, const std::vector<std::string>& names);
 

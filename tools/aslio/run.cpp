@@ -139,7 +139,7 @@ int run_pipeline(const RunArguments& a, const CLI::App& app, const std::vector<s
 void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1)")
       ->required()
-      ->check(CLI::ExistingFile);
+      ->check(existing_pipeline());
   add_recording_options(app, a.recording);
   app.add_option("--output", a.output, "folder for the results; files of an earlier run are replaced")->required();
   app.add_option("--set", a.overrides, "key.path=value (YAML); changes the pipeline, may be repeated")
@@ -179,7 +179,8 @@ Command add_run(CLI::App& root, const std::vector<std::string>& command_line) {
       "Example:\n"
       "  aslio run configs/pipelines/as_lio_plus.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
       "--output out/corridor --set window.seg_step=0.04 --save-map out/corridor/map.ply\n"
-      "  aslio run configs/pipelines/as_lio_plus.yaml --dataset out/quickstart/data --output out/quickstart/as_lio_plus");
+      "  aslio run configs/pipelines/as_lio_plus.yaml --dataset out/quickstart/data --output "
+      "out/quickstart/as_lio_plus");
   return {app, [=] { return run_pipeline(*arguments, *app, command_line); }};
 }
 

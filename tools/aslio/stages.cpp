@@ -1,5 +1,9 @@
 #include "stages.hpp"
 
+#include <fmt/format.h>
+
+#include <iterator>
+
 #include "aslio/plugin/shared_object.hpp"
 #include "register_all.hpp"
 
@@ -18,6 +22,17 @@ Stages load_stages(const std::vector<std::string>& plugin_files) {
     stages.files.push_back({std::move(object.path), std::move(object.sha256)});
   }
   return stages;
+}
+
+std::string family_text(const plugin::Catalog& catalog, const std::string& family) {
+  std::string text = family + "\n";
+  for (const std::string& type : catalog.types(family)) {
+    const auto* entry = catalog.find(family, type);
+    fmt::format_to(std::back_inserter(text), "  {:<18} {}", type, entry->doc);
+    if (entry->origin != "built-in") fmt::format_to(std::back_inserter(text), " [{}]", entry->origin);
+    text += '\n';
+  }
+  return text;
 }
 
 }  // namespace aslio::cli

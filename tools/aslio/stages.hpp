@@ -21,4 +21,7 @@ void add_plugin_option(CLI::App& app, std::vector<std::string>& files);
 /// Throws ConfigError for a shared object that cannot be loaded.
 Stages load_stages(const std::vector<std::string>& plugin_files);
 
+/// Name of a family, and a line for each of its types.
+std::string family_text(const plugin::Catalog& catalog, const std::string& family);
+
 }  // namespace aslio::cli

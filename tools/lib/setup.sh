@@ -21,7 +21,9 @@ elapsed() {
   if [ "$seconds" -ge 60 ]; then echo "$((seconds / 60)) min $((seconds % 60)) s"; else echo "$seconds s"; fi
 }
 
-listed_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' tools/packages.txt; }
+# The lists of packages that install_packages() takes.
+lists=(tools/packages.txt tools/packages_dev.txt)
+listed_packages() { cat "${lists[@]}" | sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d'; }
 
 missing_packages() {
   local installed
@@ -61,7 +63,7 @@ missing_commands() {
 # install_packages [PACKAGE...]: those of the list, and these.
 install_packages() {
   command -v dpkg-query >/dev/null ||
-    fail "this is not a Debian system; install the equivalents of tools/packages.txt, then build with: cmake --preset release && cmake --build build/release"
+    fail "this is not a Debian system; install the equivalents of ${lists[*]}, then build with: cmake --preset release && cmake --build build/release"
   local missing
   missing=$({ missing_packages; printf '%s\n' "$@"; } | sed '/^$/d' | tr '\n' ' ')
   missing=${missing% }

@@ -7,8 +7,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 #include "aslio/config/problems.hpp"
 #include "aslio/core/errors.hpp"
@@ -170,6 +173,19 @@ void check_characters(std::string_view text, Location at, bool fixed) {
   }
 }
 
+/// The first tab that indents a line, as its line and column; nothing: there is none.
+std::optional<std::pair<int, int>> indenting_tab(std::string_view text) {
+  int line = 1, column = 1;
+  bool indents = true;
+  for (const char c : text) {
+    if (indents && c == '\t') return std::pair(line, column);
+    indents = c == '\n' || (indents && c == ' ');
+    column = c == '\n' ? 1 : column + 1;
+    if (c == '\n') ++line;
+  }
+  return std::nullopt;
+}
+
 Node build(std::string_view text, const Location& at, bool fixed, Problems& problems) {
   if (text.size() > kMaxFileBytes) {
     fail(at, std::to_string(text.size()) + " bytes, at most " + std::to_string(kMaxFileBytes) + " are read");
@@ -184,6 +200,11 @@ Node build(std::string_view text, const Location& at, bool fixed, Problems& prob
     TreeBuilder second(at, fixed, of_second);
     if (parser.HandleNextDocument(second)) fail(at, "more than one document: remove what follows '---'");
   } catch (const YAML::Exception& error) {
+    if (const auto tab = indenting_tab(text); tab && !fixed) {
+      Location there = at;
+      std::tie(there.line, there.column) = *tab;
+      fail(there, "a tab indents this line: YAML takes spaces only");
+    }
     fail(builder.place(error.mark), "not valid YAML: " + error.msg);
   }
   if (!builder.whole()) problems.raise();

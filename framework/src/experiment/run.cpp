@@ -324,6 +324,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const BuildContext context{executor, sensor, std::move(log), options.order_seed};
   pipeline::Odometry odometry(prepared.pipeline.value, context, pipeline::build_stages(prepared.pipeline, context));
   refuse_to_overwrite_inputs(options);
+  refuse_to_replace_strangers(options.output);
   const auto lock = lock_output(options.output);
   std::unique_ptr<RunOutputs> outputs = open_outputs(options, sensor);
   remove_stale(options);

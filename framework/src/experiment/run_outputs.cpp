@@ -79,9 +79,9 @@ std::string updates_line(const pipeline::UpdateRecord& record) {
   }
   const pipeline::MonitorSignals& m = record.monitor;
   fmt::format_to(out, ",{}", record.segment);
-  for (const double value :
-       {m.nis, m.matched, m.fit_rise, m.nis_rise, m.match_loss, m.overlap_loss, m.velocity_pull, m.turn_pull,
-        m.velocity_pull_rise, m.turn_pull_rise, m.misfit, m.gyro_mismatch, m.mount, m.view_change, m.view_jump, m.unexplained}) {
+  for (const double value : {m.nis, m.matched, m.fit_rise, m.nis_rise, m.match_loss, m.overlap_loss, m.velocity_pull,
+                             m.turn_pull, m.velocity_pull_rise, m.turn_pull_rise, m.misfit, m.gyro_mismatch, m.mount,
+                             m.view_change, m.view_jump, m.unexplained}) {
     line += ',';
     if (std::isfinite(value)) fmt::format_to(out, "{:.5g}", value);
   }
@@ -183,6 +183,17 @@ void refuse_to_overwrite_inputs(const RunOptions& options) {
                                     input.string(), read_by));
     }
   }
+}
+
+void refuse_to_replace_strangers(const std::filesystem::path& output) {
+  std::error_code ignored;
+  // A run opens both files before it reads anything, and leaves both however it ends.
+  const auto poses = output / "trajectory.tum";
+  if (!std::filesystem::exists(poses, ignored) || std::filesystem::exists(output / "updates.csv", ignored)) return;
+  throw ConfigError(fmt::format(
+      "--output {}: its trajectory.tum is not from a run of this program (no updates.csv is beside it), and would be "
+      "replaced; name another folder, or move the file",
+      output.string()));
 }
 
 std::optional<FolderLock> lock_output(const std::filesystem::path& output) {

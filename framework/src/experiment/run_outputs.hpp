@@ -54,6 +54,8 @@ std::filesystem::path map_path(const std::filesystem::path& first, std::uint32_t
 
 /// Throws ConfigError when a file of the run would replace one that it reads: results are no place for inputs.
 void refuse_to_overwrite_inputs(const RunOptions& options);
+/// Throws ConfigError when `output` holds a trajectory.tum of somebody else.
+void refuse_to_replace_strangers(const std::filesystem::path& output);
 
 /// Creates the folder and every file that grows. Throws ConfigError when that cannot be: nothing has been read yet, and
 /// another --output is the remedy.

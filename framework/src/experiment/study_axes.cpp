@@ -75,6 +75,7 @@ void StudyAxisConfig::describe(config::Binder& b, StudyAxisConfig& axis) {
   b.tree("zip", axis.zip, "block of dotted paths with lists of one length, whose values change in step");
   b.tree("list", axis.list, "list of {name, set}: points that are no grid, each with a block of paths and values");
   b.text("name", axis.name, "column of a `list` in tables");
+  b.texts("methods", axis.methods, {}, "methods that vary along this axis; empty: all");
   const int kinds = (axis.path.empty() ? 0 : 1) + (axis.zip.is_null() ? 0 : 1) + (axis.list.is_null() ? 0 : 1);
   b.require(kinds == 1, "path", "with `values`, `zip` and `list` exclude each other, and one is required");
   b.require(axis.path.empty() || (axis.values.is_list() && !axis.values.items().empty()), "values",
@@ -112,6 +113,24 @@ std::vector<AxisPoint> axis_points(const StudyAxisConfig& axis) {
     points.push_back(std::move(point));
   }
   return points;
+}
+
+Grid grid_of(Grid points, const std::vector<StudyAxisConfig>& axes, const std::string& method) {
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::vector<std::string>& methods = axes[k].methods;
+    if (methods.empty() || std::find(methods.begin(), methods.end(), method) != methods.end()) continue;
+    const std::vector<std::string> none(axis_columns(axes[k]).size(), "-");
+    points[k] = {AxisPoint{.suffix = "", .assignments = {}, .values = none}};
+  }
+  return points;
+}
+
+bool advance(const Grid& grid, std::vector<std::size_t>& at_axes) {
+  for (std::size_t k = at_axes.size(); k-- > 0;) {
+    if (++at_axes[k] < grid[k].size()) return true;
+    at_axes[k] = 0;
+  }
+  return false;
 }
 
 }  // namespace aslio::experiment

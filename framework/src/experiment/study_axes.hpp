@@ -25,4 +25,11 @@ struct AxisPoint {
 std::vector<std::string> axis_columns(const StudyAxisConfig& axis);
 std::vector<AxisPoint> axis_points(const StudyAxisConfig& axis);
 
+/// Points by axis.
+using Grid = std::vector<std::vector<AxisPoint>>;
+/// Those of a method: along an axis of other methods it stands still, at a point without values.
+Grid grid_of(Grid points, const std::vector<StudyAxisConfig>& axes, const std::string& method);
+/// The next combination, the last axis fastest; false behind the last one.
+bool advance(const Grid& grid, std::vector<std::size_t>& at_axes);
+
 }  // namespace aslio::experiment

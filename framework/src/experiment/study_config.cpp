@@ -88,7 +88,8 @@ void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
          "same data, {data} the folder in the output where truth and overlap of simulated data stay");
   b.text("baseline", method.baseline, "method to compare it with; empty: that of the study");
   b.texts("differs", method.differs, {},
-          "keys or blocks in which the method may differ from the baseline, besides those of `set`; nothing else may");
+          "keys, blocks or globs (`*.sigma`) in which the method may differ from the baseline, besides those of `set`; "
+          "nothing else may");
   b.require(!method.name.empty(), "name", "is required");
   b.require(!method.pipeline.empty(), "pipeline", "is required: name a pipeline file");
   b.require(method.set.is_null() || method.set.is_map(), "set",

@@ -1,6 +1,8 @@
 // What two methods differ in, and whether the study names it.
 #include "study_differences.hpp"
 
+#include <fnmatch.h>
+
 #include <algorithm>
 #include <set>
 
@@ -16,10 +18,23 @@ bool within(const std::string& path, const std::string& block) {
   return path.starts_with(block) && (path.size() == block.size() || path[block.size()] == '.');
 }
 
+bool is_glob(const std::string& name) { return name.find_first_of("*?[") != std::string::npos; }
+
+bool matches(const std::string& glob, const std::string& path) { return ::fnmatch(glob.c_str(), path.c_str(), 0) == 0; }
+
+/// Whether the glob (`estimator.*`, `*.sigma`) matches the path or a block above it.
+bool matches_above(const std::string& glob, const std::string& path) {
+  for (std::size_t end = path.find('.'); end != std::string::npos; end = path.find('.', end + 1)) {
+    if (matches(glob, path.substr(0, end))) return true;
+  }
+  return matches(glob, path);
+}
+
 /// A key names what lies below it; the type of a block names the change of the block that comes with it.
 bool names(const std::vector<std::string>& keys, const std::string& path) {
-  return std::any_of(keys.begin(), keys.end(),
-                     [&](const std::string& key) { return within(path, key) || key == path + ".type"; });
+  return std::any_of(keys.begin(), keys.end(), [&](const std::string& key) {
+    return within(path, key) || key == path + ".type" || (is_glob(key) && matches_above(key, path));
+  });
 }
 
 void append_keys(const StudyMethod& method, std::vector<std::string>& keys) {
@@ -48,7 +63,10 @@ std::map<std::string, std::string> strange_keys(const std::vector<StudyMethod>& 
   // A study may have thousands of methods, and what it names stands in the first of them.
   for (std::size_t i = 0; i < methods.size() && !left.empty(); ++i) {
     append_value_paths(config::parse_document(methods[i].resolved, "resolved"), "", paths);
-    std::erase_if(left, [&](const std::string& name) { return paths.contains(name); });
+    std::erase_if(left, [&](const std::string& name) {
+      const auto matched = [&](const std::string& path) { return matches(name, path); };
+      return paths.contains(name) || (is_glob(name) && std::any_of(paths.begin(), paths.end(), matched));
+    });
   }
   const std::vector<std::string> known(paths.begin(), paths.end());
   std::map<std::string, std::string> out;

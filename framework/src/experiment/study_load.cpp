@@ -95,6 +95,7 @@ class Reader {
     lay_out_axes();
     for (std::size_t i = 0; i < study_.config.datasets.size(); ++i) add_data(study_.config.datasets[i], i);
     require_distinct_data();
+    require_known_methods();
     lay_out_methods();
     require_distinct_folders();
     const bool all_resolved = problems_.size() == 0;
@@ -272,24 +273,27 @@ class Reader {
         problems_.add(place("methods", i, "name"), fmt::format("'{}' {}", config.name, kNameRule));
         continue;
       }
-      std::vector<std::size_t> at_axes(study_.config.vary.size(), 0);
+      const Grid grid = grid_of(points_, study_.config.vary, config.name);
+      std::vector<std::size_t> at_axes(grid.size(), 0);
       const std::size_t before = problems_.size();
       do {
-        add_method(config, i, at_axes);
-      } while (problems_.size() == before && advance(at_axes));
+        add_method(config, i, grid, at_axes);
+      } while (problems_.size() == before && advance(grid, at_axes));
     }
   }
 
-  /// The next combination, the last axis fastest; false behind the last one.
-  bool advance(std::vector<std::size_t>& at_axes) const {
-    for (std::size_t k = at_axes.size(); k-- > 0;) {
-      if (++at_axes[k] < points_[k].size()) return true;
-      at_axes[k] = 0;
+  void require_known_methods() {
+    const auto& methods = study_.config.methods;
+    for (std::size_t k = 0; k < study_.config.vary.size(); ++k) {
+      for (const std::string& name : study_.config.vary[k].methods) {
+        if (std::any_of(methods.begin(), methods.end(), [&](const auto& m) { return m.name == name; })) continue;
+        problems_.add(place("vary", k, "methods"), fmt::format("'{}' is no method of the study", name));
+      }
     }
-    return false;
   }
 
-  void add_method(const StudyMethodConfig& config, std::size_t index, const std::vector<std::size_t>& at_axes) {
+  void add_method(const StudyMethodConfig& config, std::size_t index, const Grid& grid,
+                  const std::vector<std::size_t>& at_axes) {
     StudyMethod method;
     method.name = method.base = config.name;
     method.pipeline = at(config.pipeline);
@@ -300,7 +304,7 @@ class Reader {
       method.set.push_back(member.key + "=" + config::to_line(member.value));
     }
     for (std::size_t k = 0; k < at_axes.size(); ++k) {
-      const AxisPoint& point = points_[k][at_axes[k]];
+      const AxisPoint& point = grid[k][at_axes[k]];
       method.set.insert(method.set.end(), point.assignments.begin(), point.assignments.end());
       method.axes.insert(method.axes.end(), point.values.begin(), point.values.end());
       method.name += point.suffix;
@@ -481,7 +485,7 @@ class Reader {
   fs::path folder_;
   Study study_;
   Node root_;
-  std::vector<std::vector<AxisPoint>> points_;  ///< by axis
+  Grid points_;
   config::Problems problems_;
   std::vector<std::size_t> data_entries_;                              // by data: index in `datasets`
   std::map<std::string, std::pair<std::string, std::size_t>> scenes_;  ///< what is behind a sequence, and its entry

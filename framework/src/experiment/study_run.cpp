@@ -58,7 +58,6 @@ void remove_parts(const fs::path& folder) {
   for (const fs::path& part : parts) fs::remove(part, error);
 }
 
-/// Empty when there is none.
 std::string read_text(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
@@ -73,6 +72,7 @@ class Schedule {
         runs_folder_(fs::absolute(options.output) / "runs"),
         store_(options.output, options.data, options.keep_data, asks_for("world")),
         used_(study) {
+    if (const auto note = require_same_study(study, options.output)) monitor_.on_line(*note);
     store_.remove_leftovers(options.recording);
     result_.runs = plan_runs(study, options.program, runs_folder_);
     const std::vector<bool> selected = select_runs(study, result_.runs, options.only);
@@ -83,6 +83,7 @@ class Schedule {
     for (std::size_t i = 0; i < result_.runs.size(); ++i) {
       if (standing[i]) {
         states_[i] = RunState::finished;
+        kept_ += selected[i] ? 1 : 0;
       } else if (selected[i] && is_ours(result_.runs[i].data)) {
         states_[i] = RunState::waiting;
         result_.rows[i].reset();
@@ -414,7 +415,8 @@ class Schedule {
   void show() {
     if (seconds_since(shown_) < kShow) return;
     shown_ = Clock::now();
-    StudyProgress progress{.total = total_, .done = done_, .failed = failed_, .left_s = left_s(), .active = {}};
+    StudyProgress progress{
+        .total = kept_ + total_, .done = kept_ + done_, .failed = failed_, .left_s = left_s(), .active = {}};
     for (const Active& active : active_) {
       const std::string& data = study_.data[active.data].name;
       progress.active.push_back({active.run ? data + "/" + result_.runs[*active.run].folder : data + ": simulation",
@@ -426,16 +428,14 @@ class Schedule {
   /// "[3/90] indoor_1_3/as_lio_plus: ok, ate_m 0.0312, 14.2 s; 0:14:20 left".
   void tell(std::size_t i) {
     const StudyRow& row = *result_.rows[i];
-    std::string line = fmt::format("[{}/{}] {}/{}: {}", done_, total_, study_.data[result_.runs[i].data].name,
-                                   result_.runs[i].folder, row.outcome.status);
+    std::string line = fmt::format("[{}/{}] {}/{}: {}", kept_ + done_, kept_ + total_,
+                                   study_.data[result_.runs[i].data].name, result_.runs[i].folder, row.outcome.status);
     if (!row.good()) line += fmt::format(" ({})", row.outcome.reason);
     const std::string& metric = study_.config.metrics.front();
     if (const auto value = row.figure(metric)) line += fmt::format(", {} {:.4g}", metric, *value);
     line += fmt::format(", {:.1f} s", row.outcome.wall_s);
-    if (const auto left = left_s()) {
-      const auto s = static_cast<long>(std::lround(*left));
-      line += fmt::format("; {}:{:02}:{:02} left", s / 3600, s / 60 % 60, s % 60);
-    }
+    const long s = std::lround(left_s().value_or(0));
+    if (s > 0) line += fmt::format("; {}:{:02}:{:02} left", s / 3600, s / 60 % 60, s % 60);
     failed_ += row.good() ? 0 : 1;
     if (failed_ > 0) line += fmt::format("; {} failed", failed_);
     monitor_.on_line(line);
@@ -460,9 +460,9 @@ class Schedule {
   std::vector<RunState> states_;
   std::vector<Active> active_;
   std::vector<pollfd> waited_;
-  std::size_t total_ = 0, done_ = 0, failed_ = 0;  ///< runs of this call
-  bool changed_ = true;                            ///< since the last look for something to start
-  bool blocked_ = false;                           ///< another call is at work on what could be started
+  std::size_t kept_ = 0, total_ = 0, done_ = 0, failed_ = 0;  ///< runs finished before; of this call
+  bool changed_ = true;                                       ///< since the last look for something to start
+  bool blocked_ = false;                                      ///< another call is at work on what could be started
   Clock::time_point start_ = Clock::now(), stopped_, written_, shown_, asked_;
   double writing_s_ = 0;  ///< the tables took so long last time
 };

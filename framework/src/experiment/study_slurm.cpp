@@ -66,6 +66,7 @@ class Cluster {
     result_.runs = plan_runs(study, options.program, runs_folder);
     selected_ = select_runs(study, result_.runs, options.only);
     result_.rows = used_.rows(study, result_.runs, options.output, {}, selected_);
+    if (const auto note = require_same_study(study, options.output)) monitor_.on_line(*note);
     write_plan(study, result_.runs, slurm.throttle * options.jobs, options.output);
     attempts_.assign(study.data.size(), 0);
     open_.resize(study.data.size());

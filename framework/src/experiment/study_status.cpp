@@ -172,11 +172,11 @@ std::string list(const std::string& title, const std::vector<std::string>& lines
 
 void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const fs::path& output, bool keep) {
   const auto text = [&](const std::string& at_once) {
-    std::string all = "data,sequence,run,method,identity,key,jobs\n";
+    std::string all = "study,data,sequence,run,method,identity,key,scale,jobs\n";
     for (const StudyRun& run : runs) {
       const StudyData& data = study.data[run.data];
-      all += fmt::format("{},{},{},{},{},{},{}\n", data.name, data.sequence, run.folder, study.methods[run.method].name,
-                         data.identity, run.key, at_once);
+      all += fmt::format("{},{},{},{},{},{},{},{},{}\n", study.name, data.name, data.sequence, run.folder,
+                         study.methods[run.method].name, data.identity, run.key, data.scale, at_once);
     }
     return all;
   };
@@ -188,6 +188,29 @@ void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs,
   io::AtomicFile file(output / kPlanFile);
   file.write(text(fmt::to_string(jobs)));
   file.close();
+}
+
+std::optional<std::string> require_same_study(const Study& study, const fs::path& output) {
+  std::error_code ignored;
+  if (!fs::exists(output / kPlanFile, ignored)) return std::nullopt;
+  const CsvTable plan = read_csv(output / kPlanFile);
+  const auto& header = plan.header;
+  if (plan.rows.empty() || std::find(header.begin(), header.end(), "study") == header.end()) return std::nullopt;
+  const std::size_t name = plan.column("study"), data = plan.column("data"), scale = plan.column("scale");
+  if (const std::string& there = plan.rows.front()[name]; there != study.name) {
+    throw ConfigError(
+        fmt::format("--output {}: the study '{}' is there, and '{}' would be mixed with it: name another folder",
+                    output.string(), there, study.name));
+  }
+  for (const auto& row : plan.rows) {
+    for (const StudyData& now : study.data) {
+      if (now.name != row[data] || now.scene.empty() || row[scale] == fmt::format("{}", now.scale)) continue;
+      return fmt::format(
+          "note: {} was made with --scale {}, and this call has {}: its scenes are simulated and run again",
+          output.string(), row[scale], now.scale);
+    }
+  }
+  return std::nullopt;
 }
 
 StudyStatus read_status(const fs::path& output) {

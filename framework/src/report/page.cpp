@@ -374,11 +374,11 @@ Bundle read_bundle(const fs::path& folder) {
   const auto script = read_file(folder / "report.js"), style = read_file(folder / "report.css");
   if (!script || !style) {
     const std::string reason = read_file(folder / "missing.txt").value_or("");
-    throw DataError(
-        fmt::format("{}: report.js and report.css are missing, the page cannot be made{}{}; install Node.js with npm "
-                    "(apt-get install nodejs npm), let it reach the npm registry and build aslio again "
-                    "(-DASLIO_REPORT=ON tells what fails); --format md,tex,csv works without",
-                    folder.string(), reason.empty() ? "" : ": ", reason.substr(0, reason.find('\n'))));
+    throw DataError(fmt::format(
+        "{}: report.js and report.css are missing, the page cannot be made{}{}; let the build reach the npm "
+        "registry (npm_config_registry names another) and build aslio again "
+        "(-DASLIO_REPORT=ON tells what fails); --format md,tex,csv works without",
+        folder.string(), reason.empty() ? "" : ": ", reason.substr(0, reason.find('\n'))));
   }
   if (script->find("</script") != std::string::npos || style->find("</style") != std::string::npos) {
     throw DataError(fmt::format("{}: the script or style would end its own element; build it again", folder.string()));

@@ -41,10 +41,11 @@ struct StudyMethodConfig {
 /// One entry of `vary`: a path with values, paths in step, or named points.
 struct StudyAxisConfig {
   std::string path;
-  config::Node values;           ///< list
-  config::Node zip;              ///< map of dotted paths to lists of one length
-  config::Node list;             ///< of {name, set}
-  std::string name = "variant";  ///< column of `list`
+  config::Node values;               ///< list
+  config::Node zip;                  ///< map of dotted paths to lists of one length
+  config::Node list;                 ///< of {name, set}
+  std::string name = "variant";      ///< column of `list`
+  std::vector<std::string> methods;  ///< that vary along it; empty: all
   static void describe(config::Binder& b, StudyAxisConfig& axis);
 };
 

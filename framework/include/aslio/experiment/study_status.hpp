@@ -15,6 +15,10 @@ namespace aslio::experiment {
 void write_plan(const Study& study, const std::vector<StudyRun>& runs, int jobs, const std::filesystem::path& output,
                 bool keep = false);
 
+/// Throws ConfigError when the folder holds another study, by plan.csv. What to say where it was made with another
+/// --scale; nothing otherwise.
+std::optional<std::string> require_same_study(const Study& study, const std::filesystem::path& output);
+
 /// Runs by their state.
 struct RunCounts {
   std::size_t good = 0, failed = 0, running = 0, waiting = 0;
