@@ -107,6 +107,14 @@ TEST_CASE("view check: a piece of the data that is missing is not explained") {
   }
 }
 
+TEST_CASE("view check: nothing is judged where less than half of the view is seen again") {
+  // 46 deg per slot leave a third of a view of 70 deg; seen all round, all of it stays.
+  const Motion truth = walk(1.0, 8.0), late = walk(0, 8.0);
+  CHECK(worst(truth, truth, kSecond / 10, 0.5, 70) == -1);
+  CHECK(worst(truth, late, kSecond / 10, 0.5, 70) == -1);
+  CHECK(worst(truth, truth, kSecond / 10, 0.5) >= 0);
+}
+
 TEST_CASE("view check: a turn that the run does not follow is not explained") {
   CHECK(worst(walk(0, 2.0), walk(0, 0), kSecond / 10, 0.5) > 0.1);
 }

@@ -114,10 +114,15 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
   return options;
 }
 
+/// To be said for version 0.2.0 alone.
+constexpr const char* kNewMeaning =
+    "as_lio is the method of the paper. Before version 0.2.0 this name meant our own pipeline, which is now as_lio_plus.";
+
 int run_pipeline(const RunArguments& a, const CLI::App& app, const std::vector<std::string>& command_line) {
   catch_interrupts();
   const Stages stages = load_stages(a.plugins);
   ProgressDisplay display(a.quiet, stderr_is_terminal());
+  if (std::filesystem::path(a.pipeline).filename() == "as_lio.yaml") display.on_notice(kNewMeaning);
   const experiment::RunOptions options = options_of(a, stages, app, command_line);
   const auto result = experiment::run(options, stages.catalog, display, make_logger(a.quiet));
   display.clear();

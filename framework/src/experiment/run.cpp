@@ -72,11 +72,9 @@ Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
 }
 
 void notify(RunMonitor& monitor, const RunOptions& options, const Prepared& prepared) {
-  if (!prepared.pipeline.alias_of.empty()) {
-    monitor.on_notice(fmt::format("{} is the old name of {}", options.pipeline.filename().string(),
-                                  prepared.pipeline.alias_of.filename().string()));
-  }
-  if (const std::string& notice = prepared.pipeline.value.notice; !notice.empty()) monitor.on_notice(notice);
+  if (prepared.pipeline.alias_of.empty()) return;
+  monitor.on_notice(fmt::format("{} is the old name of {}", options.pipeline.filename().string(),
+                                prepared.pipeline.alias_of.filename().string()));
 }
 
 /// Before the run: the digest of a large input takes a while, and must not count as CPU time of the method.

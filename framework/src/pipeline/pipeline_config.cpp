@@ -21,7 +21,6 @@ void PipelineConfig::describe(config::Binder& b, PipelineConfig& p) {
   b.choice("when_lost", p.when_lost,
            {{"restart", PipelineConfig::WhenLost::restart}, {"end", PipelineConfig::WhenLost::end}},
            "a run that has diverged begins anew with an empty map, from the last pose it knew, or ends");
-  b.text("notice", p.notice, "`aslio run` says this once before the run");
 }
 
 }  // namespace aslio::pipeline

@@ -13,6 +13,7 @@ constexpr std::uint32_t kSeen = 2;   // points that a direction needs
 constexpr float kOneSurface = 1.3F;  // farthest to nearest of one surface
 constexpr float kLoose = 0.08F;      // share of a range within which two agree, and ..
 constexpr float kLooseBy = 0.15F;    // .. so much more [m]
+constexpr double kSeenAgain = 0.45;  // least share of the directions of the slot before that are seen again
 
 }  // namespace
 
@@ -69,9 +70,11 @@ void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel&
 
 std::optional<double> ViewCheck::compare() const {
   const Eigen::Vector3f shift = (before_.origin - now_.origin).cast<float>();
-  int n = 0, unexplained = 0;
+  int seen = 0, n = 0, unexplained = 0;
   for (const Cell& was : before_.cells) {
-    if (was.n < kSeen || was.farthest > kOneSurface * was.nearest) continue;
+    if (was.n < kSeen) continue;
+    ++seen;
+    if (was.farthest > kOneSurface * was.nearest) continue;
     const Eigen::Vector3f q = was.sum / static_cast<float>(was.n) + shift;
     const float sum = q.cwiseAbs().sum(), distance = q.norm();
     if (!(distance > static_cast<float>(sensor_.min_range)) || !std::isfinite(sum)) continue;
@@ -82,6 +85,8 @@ std::optional<double> ViewCheck::compare() const {
       ++unexplained;
     }
   }
+  // Where little of the view is seen again, who walks by the lens is much of that.
+  if (n < kSeenAgain * seen) return std::nullopt;
   return n < kLeast ? std::nullopt : std::optional(static_cast<double>(unexplained) / n);
 }
 

@@ -32,7 +32,6 @@ struct PipelineConfig {
   RangeNoiseParams range_noise;
   TrackingLimits limits;
   WhenLost when_lost = WhenLost::restart;
-  std::string notice;
 
   static void describe(config::Binder& b, PipelineConfig& p);
 };
