@@ -108,8 +108,8 @@ TEST_CASE("view check: a piece of the data that is missing is not explained") {
 }
 
 TEST_CASE("view check: nothing is judged where less than half of the view is seen again") {
-  // 46 deg per slot leave a third of a view of 70 deg; seen all round, all of it stays.
-  const Motion truth = walk(1.0, 8.0), late = walk(0, 8.0);
+  // In a slot a view of 70 deg sweeps 185 deg, of which the next one sees 70 again; seen all round, all of it stays.
+  const Motion truth = walk(1.0, 20.0), late = walk(0, 20.0);
   CHECK(worst(truth, truth, kSecond / 10, 0.5, 70) == -1);
   CHECK(worst(truth, late, kSecond / 10, 0.5, 70) == -1);
   CHECK(worst(truth, truth, kSecond / 10, 0.5) >= 0);
