@@ -99,7 +99,7 @@ void write_study(const fs::path& folder) {
           "11 of 12 runs. A cell is.\n\n## Expectation\n\nAll in all: **not decided**\n\n- it pays: **does not hold**\n"
           "- {}: **not decided** (1 run is missing)\n\n## ate_m\n\n| sequence | fixed_10 |\n|---|---|\n\n## ate_deg\n\n"
           "| method | baseline | sequences | pairs |\n|---|---|---|---|\n| as_lio_plus | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 "
-          "|\n\n## Identical results\n\n- a and b do not differ\n",
+          "|\n\n## Labels\n\n- fixed_10: 10 Hz, fixed\n\n## Identical results\n\n- a and b do not differ\n",
           kHostileText, kHostileText));
   write_text(folder / "verdict.md", fmt::format("# Verdict: fixture\n\n- lower median: **holds**\n- {}: **not "
                                                 "decided**\n\n| a | b |\n|---|---|\n| 1 | `2` |\n",

@@ -157,9 +157,10 @@ void add_options(CLI::App& app, RunArguments& a) {
       ->capture_default_str();
   app.add_option("--reference", a.reference, "reference trajectory (TUM) to measure the error against")
       ->check(CLI::ExistingFile);
-  app.add_flag("--closed-loop", a.closed_loop,
-               "the motion ends in the pose in which it begins: measures the end-to-end error, as `closed_loop: true` of "
-               "a dataset does");
+  app.add_flag(
+      "--closed-loop", a.closed_loop,
+      "the motion ends in the pose in which it begins: measures the end-to-end error, as `closed_loop: true` of "
+      "a dataset does");
   app.add_option(
       "--save-map", a.save_map,
       "writes the points of all updates to this .ply or .pcd file; after a loss, to others beside it (.segment_2)");
@@ -189,7 +190,8 @@ Command add_run(CLI::App& root, const std::vector<std::string>& command_line) {
       "Example:\n"
       "  aslio run configs/pipelines/as_lio_plus.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
       "--output out/corridor --set window.seg_step=0.04 --save-map out/corridor/map.ply\n"
-      "  aslio run configs/pipelines/as_lio_plus.yaml --dataset out/quickstart/data --output out/quickstart/as_lio_plus");
+      "  aslio run configs/pipelines/as_lio_plus.yaml --dataset out/quickstart/data --output "
+      "out/quickstart/as_lio_plus");
   return {app, [=] { return run_pipeline(*arguments, *app, command_line); }};
 }
 
