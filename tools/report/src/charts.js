@@ -113,8 +113,9 @@ function apart(chart, values) {
     const inside = (box) => box.x >= 0 && box.y >= 0 && box.x + width <= chart.getWidth() && box.y + height <= chart.getHeight() - 30;
     let place = null;
     for (let away = 10; away < 160 && !place; away += 8) {
-      place = [[x + away, y - height / 2], [x - away - width, y - height / 2], [x - width / 2, y - away - height], [x - width / 2, y + away],
-        [x + away, y - away - height], [x + away, y + away], [x - away - width, y - away - height], [x - away - width, y + away]]
+      // Above right first: the front leaves a point to the right and below.
+      place = [[x + away - 4, y - away + 4 - height], [x - away - width, y + away], [x - width / 2, y - away - height], [x - away - width, y - height / 2],
+        [x + away, y - height / 2], [x - width / 2, y + away], [x + away, y + away], [x - away - width, y - away - height]]
         .map(([left, top]) => ({x: left, y: top, width, height})).find((box) => inside(box) && !taken.some((other) => overlaps(box, other)));
     }
     place ??= labelRect;
@@ -148,7 +149,7 @@ function frontOptions(study, choice, chart) {
       {type: 'scatter', data: points.map((p) => ({value: p.value, name: p.name, failed: p.failed, symbolSize: 13, symbol: p.failed ? 'emptyCircle' : 'circle',
         itemStyle: {color: colourOf(p.m), borderColor: ink('card'), borderWidth: 1},
         label: {show: true, formatter: () => p.name, position: 'right', color: ink('text'), fontSize: 11}})),
-      labelLayout: apart(chart, points.map((p) => p.value)), labelLine: {show: true, lineStyle: {color: ink('muted')}},
+      labelLayout: apart(chart, points.map((p) => p.value)),
       tooltip: {formatter: ({name, value, data}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`
         + (data.failed ? `, without the ${data.failed} of ${table.lines.length} sequences that failed, or are not there yet` : '')}}],
   };
