@@ -3,6 +3,7 @@ import uPlot from 'uplot';
 import {h} from './dom.js';
 import {brief} from './model.js';
 import {ink} from './theme.js';
+import {valueAt} from './value_at.js';
 
 export const CHANNELS = [
   ['sod', 'Overlap degree', ''],
@@ -40,22 +41,6 @@ function inUnit(name, unit, lines) {
   const largest = Math.max(...lines.map(({channel}) => channel.v.reduce((most, v) => (v > most ? v : most), 0)));
   const [scale, chosen] = largest < 10 ? [10, 'mm'] : [0.01, 'm'];
   return [lines.map((line) => ({...line, channel: {...line.channel, v: line.channel.v.map((v) => scale * v), unit: scale * line.channel.unit}})), chosen];
-}
-
-/** Where the line as drawn is at time t: between two samples, or on the step that ends with the next one. NaN: there is none. */
-export function valueAt({t, v}, time, stepped, logarithmic) {
-  if (!(time >= t[0] && time <= t[t.length - 1])) return NaN;
-  let low = 0, high = t.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (t[middle] <= time) low = middle;
-    else high = middle;
-  }
-  if (time === t[low]) return v[low];
-  if (time === t[high] || stepped) return Number.isFinite(v[low]) ? v[high] : NaN;
-  const part = (time - t[low]) / (t[high] - t[low]);
-  if (logarithmic && v[low] > 0 && v[high] > 0) return Math.exp((1 - part) * Math.log(v[low]) + part * Math.log(v[high]));
-  return (1 - part) * v[low] + part * v[high];
 }
 
 /** Samples between two breaks, of which no line tells. */
