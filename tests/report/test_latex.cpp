@@ -97,7 +97,7 @@ TEST_CASE("a table in LaTeX takes one column, both, or parts below each other") 
   CHECK_THAT(both, Contains("\\begin{table*}[t]") && Contains("\\label{tab:a-study---more:ate_m}"));
   CHECK(count(both, "\\begin{tabular}") == 1);
   const std::string parts = to_latex(wide_study(12), LatexRows::sequences);
-  CHECK(count(parts, "\\begin{tabular}") == 3);
+  CHECK(count(parts, "\\begin{tabular}") == 4);
   CHECK(count(parts, "method\\_11") == 1);
   CHECK_THAT(parts, !Contains("resizebox"));
   check_columns(parts);
