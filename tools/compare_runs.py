@@ -4,7 +4,7 @@
 usage: compare_runs.py [--markdown FILE] RUN_DIR...
 
 A run's method is the name of its folder. "-" stands for what a run did not measure: without a reference trajectory there
-is no ATE, no rotation error and no RPE. Exit 1 when a summary is missing or a run did not end ok or degraded.
+is no ATE, no rotation error and no RPE. Lengths are in mm where all of a column is below 0.1 m, else in m. Exit 1 when a summary is missing or a run did not end ok or degraded.
 """
 import json
 import pathlib
@@ -13,14 +13,32 @@ import sys
 DASH = "-"
 
 
-def number(summary, path, scale=1.0, digits=3):
-    """The number at a dotted path as text, or a dash where there is none."""
+def value_at(summary, path):
+    """The number at a dotted path, or None."""
     value = summary
     for key in path.split("."):
         value = value.get(key) if isinstance(value, dict) else None
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return DASH
-    return f"{value * scale:.{digits}f}"
+    return None if isinstance(value, bool) or not isinstance(value, (int, float)) else value
+
+
+def number(summary, path, digits=3):
+    """The number at a dotted path as text, or a dash where there is none."""
+    value = value_at(summary, path)
+    return DASH if value is None else f"{value:.{digits}f}"
+
+
+def length(title, path):
+    """A column of lengths, its unit chosen as in `aslio report`: (heading, cells) of the summaries."""
+    def column(summaries):
+        values = [value_at(summary, path) for summary in summaries]
+        scale, unit, digits = (1000, "mm", 1) if all(abs(v) < 0.1 for v in values if v is not None) else (1, "m", 3)
+        return f"{title} [{unit}]", [DASH if v is None else f"{scale * v:.{digits}f}" for v in values]
+    return column
+
+
+def each(title, cell):
+    """A column whose cells depend on their own run alone."""
+    return lambda summaries: (title, [cell(summary) for summary in summaries])
 
 
 def rates(summary):
@@ -36,28 +54,28 @@ def cpu_share(summary):
 
 
 COLUMNS = (
-    ("ATE [m]", lambda s: number(s, "metrics.ate_m")),
-    ("rotation [deg]", lambda s: number(s, "metrics.ate_deg", digits=2)),
-    ("end-to-end [cm]", lambda s: number(s, "metrics.end_to_end_m", scale=100.0, digits=1)),
-    ("RPE [m per m]", lambda s: number(s, "metrics.rpe", digits=4)),
-    ("update rate min / median / max [Hz]", rates),
-    ("CPU [s per s]", cpu_share),
-    ("RSS [MB]", lambda s: number(s, "peak_rss_mb", digits=0)),
+    length("ATE", "metrics.ate_m"),
+    each("rotation [deg]", lambda s: number(s, "metrics.ate_deg", digits=2)),
+    length("end-to-end", "metrics.end_to_end_m"),
+    each("RPE [m per m]", lambda s: number(s, "metrics.rpe", digits=4)),
+    each("update rate min / median / max [Hz]", rates),
+    each("CPU [s per s]", cpu_share),
+    each("RSS [MB]", lambda s: number(s, "peak_rss_mb", digits=0)),
 )
 
 
-def row(folder):
-    """Cells of one run, and what is wrong with it (nothing: None)."""
+def read(folder):
+    """Name and status of one run, its summary, and what is wrong with it (nothing: None)."""
     path = folder / "summary.json"
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        return [folder.name, "no summary"] + [DASH] * len(COLUMNS), f"{path}: {error}"
+        return [folder.name, "no summary"], {}, f"{path}: {error}"
     status = str(summary.get("status", DASH))
     problem = None
     if status not in ("ok", "degraded"):
         problem = f"{folder.name}: {status}: {summary.get('reason') or 'no reason given'}"
-    return [folder.name, status] + [cell(summary) for _, cell in COLUMNS], problem
+    return [folder.name, status], summary, problem
 
 
 def aligned(table):
@@ -83,13 +101,13 @@ def main(arguments):
     if not arguments or arguments[0].startswith("-"):
         print(__doc__, file=sys.stderr)
         return 2
-    table = [["method", "status"] + [title for title, _ in COLUMNS]]
-    problems = []
-    for folder in map(pathlib.Path, arguments):
-        cells, problem = row(folder)
-        table.append(cells)
-        if problem:
-            problems.append(problem)
+    runs = [read(folder) for folder in map(pathlib.Path, arguments)]
+    problems = [problem for _, _, problem in runs if problem]
+    table = [["method", "status"]] + [names for names, _, _ in runs]
+    for column in COLUMNS:
+        title, cells = column([summary for _, summary, _ in runs])
+        for line, text in zip(table, [title, *cells]):
+            line.append(text)
     print(aligned(table))
     if output:
         output.write_text(markdown(table), encoding="utf-8")

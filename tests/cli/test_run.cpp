@@ -106,7 +106,8 @@ TEST_CASE("the summary tells what the run amounts to, the manifest what was run"
   CHECK(summary.at("counts").at("imu").get<int>() >= 390);
   CHECK(summary.at("metrics").at("ate_m").get<double>() < 0.05);
   CHECK(summary.at("metrics").at("matched").get<double>() == Approx(1.0));
-  CHECK(summary.at("metrics").at("end_to_end_m").is_number());
+  // Nobody has said that it ends where it began.
+  CHECK(summary.at("metrics").at("end_to_end_m").is_null());
   const Json manifest = json(bench / "out/manifest.json");
   CHECK(manifest.at("input").at("sha256") == io::input_digest(bench / "recording.bag"));
   CHECK(manifest.at("reference").at("path") == (bench / "truth.tum").string());

@@ -76,6 +76,7 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
   options.overrides = overrides;
   options.order_seed = order_seed;
   options.section.start = start_s;
+  options.closed_loop = true;
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   Unwatched monitor;

@@ -10,6 +10,8 @@ import {after, before, test} from 'node:test';
 import {pathToFileURL} from 'node:url';
 
 import {channelOf} from '../../tools/report/src/decode.js';
+import {significant, strengthOf} from '../../tools/report/src/model.js';
+import {valueAt} from '../../tools/report/src/value_at.js';
 
 const {ASLIO_PROGRAM, ASLIO_FIXTURE, ASLIO_CHROMIUM, ASLIO_MODULES, ASLIO_SCREENSHOTS} = process.env;
 const puppeteer = createRequire(join(ASLIO_MODULES, 'package.json'))('puppeteer-core');
@@ -75,9 +77,30 @@ test('the study stands on top, with its verdict', async () => {
 test('the table shows medians, marks and ranks', async () => {
   assert.deepEqual(await texts('.results tbody th'), ['loop', 'turn']);
   const cells = await texts('.results tbody tr:first-child .value');
-  assert.deepEqual(cells, ['5.50', '2.50', '-']);
+  assert.deepEqual(cells, ['55.0', '25.0', '-']);
   assert.equal(await page.$eval('.results tbody tr:first-child td:nth-child(3) .value', (e) => getComputedStyle(e).fontWeight), '750');
-  assert.deepEqual(await texts('.results tbody tr:nth-child(2) .value'), ['5.50', '9.50', 'x']);
+  assert.deepEqual(await texts('.results tbody tr:nth-child(2) .value'), ['55.0', '95.0', 'x']);
+});
+
+test('methods stand by their labels, ranks in words, and only what is significant has a colour', async () => {
+  assert.match((await texts('.results thead th'))[1], /10 Hz, fixed/);
+  const standing = await texts('.standing tbody tr');
+  assert.ok(standing.some((text) => text.includes('best on 1, second on 1') || text.includes('best on 1')), String(standing));
+  assert.match((await texts('.standing thead th'))[1], /^Rank over 2 sequences$/);
+  // p (Holm) is 0.125 there.
+  assert.equal((await page.$$('.standing .better, .standing .worse')).length, 0);
+  assert.ok(significant({more: [['p (Holm)', '< 0.001']]}) && significant({more: [['p (Holm)', '0.049']]}));
+  assert.ok(!significant({more: [['p', '0.001'], ['p (Holm)', '']]}) && !significant({more: []}));
+  assert.ok(strengthOf(1.06) < 0.1 && strengthOf(0.25) === 1);
+});
+
+test('the LaTeX is copied by a button', async () => {
+  await page.evaluate(() => [...document.querySelectorAll('#results button')].find((button) => button.textContent === 'LaTeX').click());
+  assert.match(await page.$eval('dialog textarea', (area) => area.value), /\\label\{tab:fixture:ate_m\}/);
+  await page.click('dialog .copy');
+  await page.waitForFunction(() => document.querySelector('dialog output').value !== '');
+  await page.evaluate(() => document.querySelector('dialog form button:not(.copy)').click());
+  await page.waitForFunction(() => !document.querySelector('dialog'));
 });
 
 test('a click on a head sorts, by keyboard too', async () => {
@@ -130,6 +153,23 @@ test('time is scrubbed in space and in all charts at once', async () => {
   assert.notEqual(await canvas(), b, 'arrow keys do not turn the view');
 });
 
+test('the value of a line is that at the time asked for', () => {
+  const line = {t: [0, 1, 3], v: [10, 20, 40]};
+  assert.equal(valueAt(line, 2, false, false), 30);
+  assert.equal(valueAt(line, 2, true, false), 40);
+  assert.ok(Math.abs(valueAt({t: [0, 2], v: [1, 100]}, 1, false, true) - 10) < 1e-9);
+  assert.ok(Number.isNaN(valueAt(line, 3.5, false, false)) && Number.isNaN(valueAt({t: [0, 1, 2], v: [1, NaN, 3]}, 1.5, false, false)));
+});
+
+test('dots and readings are all at the time of the cursor', async () => {
+  const box = await (await page.$('.timeline .u-over')).boundingBox();
+  await page.mouse.move(box.x + 0.4137 * box.width, box.y + 30);
+  await page.waitForFunction(() => document.querySelectorAll('.timeline .dot:not([hidden])').length > 8);
+  const left = new Set(await page.$$eval('.timeline .dot:not([hidden])', (dots) => dots.map((dot) => Math.round(parseFloat(dot.style.left)))));
+  assert.equal(left.size, 1);
+  assert.equal(new Set(await texts('.readings .unit')).size, 1);
+});
+
 test('a zoom of one chart is that of all', async () => {
   const box = await (await page.$('.timeline .u-over')).boundingBox();
   await page.mouse.move(box.x + 0.25 * box.width, box.y + 30);
@@ -146,7 +186,7 @@ test('a zoom of one chart is that of all', async () => {
 test('another recording is another course, with its own time', async () => {
   await page.select('select[aria-label="recording"]', 'turn_1');
   assert.match(await page.$eval('.clock', (e) => e.textContent), /^45\.0 of 45\.0 s$/);
-  assert.ok((await texts('#runs tbody td')).includes('9.00'), 'the figures of as_lio_plus on turn_1');
+  assert.ok((await texts('#runs tbody td')).includes('90.0'), 'the figures of as_lio_plus on turn_1');
   await page.select('select[aria-label="recording"]', 'loop_1');
   assert.match(await page.$eval('.clock', (e) => e.textContent), /^60\.0 of 60\.0 s$/);
 });
@@ -162,6 +202,23 @@ test('charts, configurations and manifest are there', async () => {
   assert.ok((await texts('#failures td')).some((text) => text.includes('off by 9 m, </script>')));
 });
 
+test('names in cost against accuracy do not cover each other', async () => {
+  const names = await texts('.chip');
+  const overlaps = await page.$$eval('#charts .chart', (charts, all) => {
+    const boxes = [...charts.at(-1).querySelectorAll('text')].filter((text) => all.includes(text.textContent)).map((text) => text.getBoundingClientRect());
+    return [boxes.length, boxes.filter((a, i) => boxes.some((b, k) => k > i && a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)).length];
+  }, names);
+  assert.ok(overlaps[0] >= 2 && overlaps[1] === 0, String(overlaps));
+});
+
+test('no table is cut on paper', async () => {
+  await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+  const wide = await page.$$eval('table', (tables) => tables.filter((table) => table.offsetParent && table.getBoundingClientRect().right > 702 + document.querySelector('main').getBoundingClientRect().left)
+    .map((table) => `${table.className} ${table.getBoundingClientRect().width}`));
+  await page.evaluate(() => dispatchEvent(new Event('afterprint')));
+  assert.deepEqual(wide, []);
+});
+
 test('light and dark, and narrow', async () => {
   const background = () => page.$eval('body', (e) => getComputedStyle(e).backgroundColor);
   await page.evaluate(() => scrollTo(0, 0));
@@ -172,6 +229,9 @@ test('light and dark, and narrow', async () => {
   await shot('dark');
   await page.setViewport({width: 420, height: 900});
   await page.waitForFunction(() => document.documentElement.scrollWidth <= 420);
+  await look('results');
+  await page.waitForFunction(() => [...document.querySelectorAll('#results .scroll')].every((place) => place.classList.contains('more-right') === (place.scrollWidth - place.clientWidth - place.scrollLeft > 2)));
+  assert.ok((await page.$$('#results .scroll.more-right')).length > 0, 'a table that is cut fades out');
   await shot('narrow');
 });
 

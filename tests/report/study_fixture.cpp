@@ -98,8 +98,9 @@ void write_study(const fs::path& folder) {
           "# fixture\n\n**Question.** Which is better? {}\n\n**Prediction.** The second.\n\n**Rule.** Lower median.\n\n"
           "11 of 12 runs. A cell is.\n\n## Expectation\n\nAll in all: **not decided**\n\n- it pays: **does not hold**\n"
           "- {}: **not decided** (1 run is missing)\n\n## ate_m\n\n| sequence | fixed_10 |\n|---|---|\n\n## ate_deg\n\n"
-          "| method | baseline | sequences | pairs |\n|---|---|---|---|\n| as_lio_plus | fixed_10 | 1 / 1 / 0 | 2 / 2 / 0 "
-          "|\n\n## Identical results\n\n- a and b do not differ\n",
+          "| method | baseline | sequences | pairs |\n|---|---|---|---|\n| as_lio_plus | fixed_10 | 1 / 1 / 0 | 2 / 2 "
+          "/ 0 "
+          "|\n\n## Labels\n\n- fixed_10: 10 Hz, fixed\n\n## Identical results\n\n- a and b do not differ\n",
           kHostileText, kHostileText));
   write_text(folder / "verdict.md", fmt::format("# Verdict: fixture\n\n- lower median: **holds**\n- {}: **not "
                                                 "decided**\n\n| a | b |\n|---|---|\n| 1 | `2` |\n",
@@ -126,9 +127,10 @@ void write_study(const fs::path& folder) {
   write_run(folder / "runs/loop_1" / bad, kLoop, 10, 0.4, "  type: fixed\n  period: 0.1\n");
   write_run(folder / "runs/loop_2" / bad, kLoop, 10, 2, "  type: fixed\n  period: 0.1\n");
   write_text(folder / "results.csv", csv);
-  write_text(folder / "statistics.csv",
-             "metric,sequence,method,baseline,low,high,effect,p,p_holm,p_sequences\nate_m,loop,as_lio_plus,,0.02,0.03,,,,\n"
-             "ate_m,,as_lio_plus,fixed_10,0.4,inf,-0.5,0.0004,0.125,0.25\n");
+  write_text(
+      folder / "statistics.csv",
+      "metric,sequence,method,baseline,low,high,effect,p,p_holm,p_sequences\nate_m,loop,as_lio_plus,,0.02,0.03,,,,\n"
+      "ate_m,,as_lio_plus,fixed_10,0.4,inf,-0.5,0.0004,0.125,0.25\n");
 }
 
 void write_long_study(const fs::path& folder) {

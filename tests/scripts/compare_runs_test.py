@@ -35,12 +35,19 @@ class CompareRuns(unittest.TestCase):
         self.write("as_lio_plus")
         run, table = self.compare("as_lio_plus")
         self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertEqual(table[2], ["as_lio_plus", "ok", "0.023", "0.46", "1.3", "0.0051", "10.0 / 10.3 / 55.0", "0.075", "81"])
+        self.assertEqual(table[2], ["as_lio_plus", "ok", "23.4", "0.46", "12.9", "0.0051", "10.0 / 10.3 / 55.0", "0.075", "81"])
 
     def test_without_a_reference_there_are_dashes_and_no_zeros(self):
         self.write("a", metrics={"ate_m": None, "ate_deg": None, "rpe": None, "end_to_end_m": 0.02})
         _, table = self.compare("a")
-        self.assertEqual(table[2][2:6], ["-", "-", "2.0", "-"])
+        self.assertEqual(table[2][2:6], ["-", "-", "20.0", "-"])
+
+    def test_a_column_of_lengths_has_one_unit(self):
+        self.write("good")
+        self.write("poor", metrics={"ate_m": 1.25, "end_to_end_m": 0.02})
+        _, table = self.compare("good", "poor")
+        self.assertEqual([line[2] for line in (table[0], *table[2:])], ["ATE [m]", "0.023", "1.250"])
+        self.assertEqual([line[4] for line in (table[0], *table[2:])], ["end-to-end [mm]", "12.9", "20.0"])
 
     def test_a_diverged_run_stays_in_the_table_and_is_told(self):
         self.write("good")

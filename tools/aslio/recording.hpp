@@ -19,7 +19,7 @@ struct Recording {
   std::filesystem::path input, sensor;
   std::optional<std::filesystem::path> dataset, reference;
   io::Section section;
-  bool closed_loop = true;  ///< unless a dataset says otherwise
+  bool closed_loop = false;  ///< only where a dataset or --closed-loop says so
 };
 
 void add_recording_options(CLI::App& app, RecordingArguments& a);

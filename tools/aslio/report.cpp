@@ -26,6 +26,7 @@ constexpr double kMegabyte = 1e6;
 struct ReportArguments {
   std::string folder, output;
   std::vector<std::string> formats{"html"};
+  std::string latex_rows = "auto";
   double limit_mb = 25;
   bool open = false, quiet = false;
 };
@@ -33,11 +34,16 @@ struct ReportArguments {
 /// Where the page's script and style lie, beside this program: in a build folder and where it is installed.
 fs::path bundle_folder() { return fs::canonical("/proc/self/exe").parent_path() / "../share/aslio/report"; }
 
+report::LatexRows latex_rows(const std::string& name) {
+  if (name == "auto") return report::LatexRows::automatic;
+  return name == "methods" ? report::LatexRows::methods : report::LatexRows::sequences;
+}
+
 /// `unreadable`: what of the runs' files could not be read is added.
 std::string text_of(const report::StudyFolder& study, const std::string& format, const ReportArguments& a,
                     std::vector<std::string>& unreadable) {
   if (format == "md") return report::to_markdown(study);
-  if (format == "tex") return report::to_latex(study);
+  if (format == "tex") return report::to_latex(study, latex_rows(a.latex_rows));
   if (format == "csv") return report::to_csv(study);
   report::PageLimits limits;
   limits.bytes = static_cast<std::size_t>(kMegabyte * a.limit_mb);
@@ -129,6 +135,11 @@ Command add_report(CLI::App& root) {
       ->check(one_of("format", {"html", "md", "tex", "csv"}))
       ->capture_default_str();
   app->add_option("--output", a->output, "file to write; default: DIR/report.FORMAT")->type_name("FILE");
+  app->add_option(
+         "--latex-rows", a->latex_rows,
+         "rows of the tables in LaTeX: sequences, methods (with the axes of a study), or auto: the fewer columns")
+      ->check(one_of("rows", {"auto", "sequences", "methods"}))
+      ->capture_default_str();
   app->add_option("--limit", a->limit_mb,
                   "size of the page [MB]; runs beyond it stand in its tables, but not in its time series")
       ->check(number(3, 500))

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/core/length_unit.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "command.hpp"
 #include "console.hpp"
@@ -26,7 +27,7 @@ struct RunArguments {
   std::vector<std::string> overrides, plugins;
   int threads = 1;
   std::uint64_t seed = 0;
-  bool dense = false, stop_when_diverged = false, quiet = false;
+  bool closed_loop = false, dense = false, stop_when_diverged = false, quiet = false;
 };
 
 int exit_code(const experiment::RunResult& result) {
@@ -54,6 +55,12 @@ std::string exact_seconds(TimeNs t) {
   return fmt::format("{}{}.{:09}", t < 0 && whole == 0 ? "-" : "", whole, rest < 0 ? -rest : rest);
 }
 
+/// An error of position, in the unit that the report gives a table of such: 23.4 mm, 0.234 m.
+std::string length_text(double metres) {
+  const LengthUnit unit = length_unit(metres);
+  return fmt::format("{:.{}f} {}", unit.scale * metres, unit.scale > 1 ? 1 : 3, unit.name);
+}
+
 std::string report(const experiment::Summary& s, const std::string& output) {
   std::string text = fmt::format("status       {}", pipeline::name(s.status));
   const auto out = std::back_inserter(text);
@@ -72,13 +79,13 @@ std::string report(const experiment::Summary& s, const std::string& output) {
                    s.rate_hz->median, s.rate_hz->max);
   }
   fmt::format_to(out, "path         {:.2f} m", s.path_length_m);
-  if (s.end_to_end_m) fmt::format_to(out, ", end to end {:.3f} m", *s.end_to_end_m);
+  if (s.end_to_end_m) fmt::format_to(out, ", end to end {}", length_text(*s.end_to_end_m));
   if (s.evaluation) {
-    fmt::format_to(out, "\naccuracy     ATE {:.4f} m, {:.3f} deg; {:.1f} % of the poses matched",
-                   s.evaluation->ate.translation.rmse, s.evaluation->ate.rotation.rmse,
+    fmt::format_to(out, "\naccuracy     ATE {}, {:.3f} deg; {:.1f} % of the poses matched",
+                   length_text(s.evaluation->ate.translation.rmse), s.evaluation->ate.rotation.rmse,
                    100 * s.evaluation->matched_share);
     if (const auto rpe = experiment::headline_rpe(*s.evaluation)) {
-      fmt::format_to(out, "; RPE {:.4f} m over {:g} m", rpe->rmse_m, rpe->distance_m);
+      fmt::format_to(out, "; RPE {} over {:g} m", length_text(rpe->rmse_m), rpe->distance_m);
     }
   }
   if (const std::string learnt = s.calibration ? to_text(*s.calibration) : ""; !learnt.empty()) {
@@ -99,7 +106,7 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
   options.dataset = recording.dataset;
   options.reference = recording.reference;
   options.section = recording.section;
-  options.closed_loop = recording.closed_loop;
+  options.closed_loop = recording.closed_loop || a.closed_loop;
   if (!a.reference.empty()) options.reference = a.reference;
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;
@@ -155,6 +162,10 @@ void add_options(CLI::App& app, RunArguments& a) {
       ->capture_default_str();
   app.add_option("--reference", a.reference, "reference trajectory (TUM) to measure the error against")
       ->check(CLI::ExistingFile);
+  app.add_flag(
+      "--closed-loop", a.closed_loop,
+      "the motion ends in the pose in which it begins: measures the end-to-end error, as `closed_loop: true` of "
+      "a dataset does");
   app.add_option(
       "--save-map", a.save_map,
       "writes the points of all updates to this .ply or .pcd file; after a loss, to others beside it (.segment_2)");

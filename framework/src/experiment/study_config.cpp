@@ -83,6 +83,9 @@ void StudyDataConfig::describe(config::Binder& b, StudyDataConfig& data) {
 void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
   b.text("name", method.name, "what tables call the method, and its folder; required");
   b.text("pipeline", method.pipeline, "pipeline file; required");
+  b.text("label", method.label,
+         "what the report and its LaTeX call the method, as in AS-LIO+; with `vary` the values follow it; empty: its "
+         "name");
   b.tree("set", method.set,
          "dotted paths with the values to set there; {run:NAME} in a text is the folder of that method's run over the "
          "same data, {data} the folder in the output where truth and overlap of simulated data stay");

@@ -43,7 +43,7 @@ class Tables {
       if (metric == "end_to_end_m") text += kEndToEndFootnote;
       text += comparison(metric);
     }
-    return text + differences() + identical() + failures();
+    return text + differences() + labels() + identical() + failures();
   }
 
  private:
@@ -137,6 +137,21 @@ class Tables {
     }
     if (text.empty()) return text;
     return "\n## What is compared\n\n| method | baseline | differs in |\n|---|---|---|\n" + text;
+  }
+
+  /// What people read in place of a method's name: `aslio report` takes it from here.
+  std::string labels() const {
+    std::string text;
+    for (const StudyMethod& method : study_.methods) {
+      std::string label = one_line(study_.config.methods[method.entry].label);
+      if (label.empty()) continue;
+      for (std::size_t k = 0; k < method.axes.size(); ++k) {
+        const std::string& axis = study_.axes[k];
+        label += fmt::format(", {} {}", axis.substr(axis.rfind('.') + 1), method.axes[k]);
+      }
+      text += fmt::format("- {}: {}\n", method.name, label);
+    }
+    return text.empty() ? text : "\n## Labels\n\n" + text;
   }
 
   std::string identical() const {

@@ -338,6 +338,7 @@ Json study_json(const StudyFolder& study, const PageLimits& limits, std::size_t 
                {"planned", study.planned.value_or(study.runs.size())},
                {"axes", study.axes},
                {"methods", study.methods},
+               {"labels", study.labels},
                {"baselines", baselines},
                {"sequences", study.sequences},
                {"data", study.data},

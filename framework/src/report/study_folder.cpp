@@ -127,6 +127,13 @@ std::vector<std::string> cells_of(std::string_view line) {
   return cells;
 }
 
+/// "METHOD: what people call it".
+void take_label(StudyFolder& study, const std::string& item) {
+  const std::size_t colon = item.find(": ");
+  if (colon == std::string::npos) return;
+  if (const auto method = study.method(item.substr(0, colon))) study.labels[*method] = trimmed(item.substr(colon + 2));
+}
+
 /// Takes one line of table.md. `part`: the heading above; `comparison`: inside the table that names the baselines.
 void take_line(StudyFolder& study, const std::string& line, std::string& part, bool& comparison) {
   const auto after = [&](std::string_view begin) -> std::optional<std::string> {
@@ -143,6 +150,7 @@ void take_line(StudyFolder& study, const std::string& line, std::string& part, b
   if (const auto item = after("- ")) {
     if (part == "Identical results") study.identical.push_back(*item);
     if (part == "Expectation") study.expectation.push_back(*item);
+    if (part == "Labels") take_label(study, *item);
   }
   if (const std::size_t of = line.find(" of "); of != std::string::npos && !study.planned) {
     std::size_t planned = 0;
@@ -198,6 +206,7 @@ void read_texts(StudyFolder& study) {
     add_once(study.methods, run.method);
   }
   study.baseline.resize(study.methods.size());
+  study.labels = study.methods;
   study.verdict = read_file(study.folder / "verdict.md").value_or("");
   const std::string text = read_file(study.folder / "table.md").value_or("");
   std::string part;

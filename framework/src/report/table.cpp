@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 
+#include "aslio/core/length_unit.hpp"
 #include "aslio/experiment/study_results.hpp"
 
 namespace aslio::report {
@@ -193,9 +194,10 @@ Metric describe(const std::string& name, const std::vector<Line>& lines) {
     metric.unit = known->unit;
     metric.smaller_is_better = known->smaller_is_better;
     if (known->kind == Kind::share) metric.scale = 100;
-    if (known->kind == Kind::length && !medians.empty() && medians.back() < 1) {
-      metric.scale = 100;
-      metric.unit = "cm";
+    if (known->kind == Kind::length && !medians.empty()) {
+      const LengthUnit unit = length_unit(medians.back());
+      metric.scale = unit.scale;
+      metric.unit = unit.name;
     }
   }
   // Three digits of a typical value, so that the points of a column stand below each other.

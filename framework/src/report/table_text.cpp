@@ -1,4 +1,4 @@
-// The tables as Markdown, LaTeX and CSV.
+// The tables as Markdown and CSV.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,23 +7,105 @@
 
 #include "aslio/report/encode.hpp"
 #include "aslio/report/table.hpp"
+#include "table_markup.hpp"
 
 namespace aslio::report {
 
 namespace {
 
-/// How a kind of text is marked up.
-struct Markup {
-  std::string (*escaped)(std::string_view);
-  std::string_view best_begin, best_end, second_begin, second_end, range_begin, range_dash, range_end, diverged, failed,
-      times;
-};
-
-constexpr Markup kMarkdown = {&markdown_cell, "**", "**", "<u>", "</u>", " (", "-", ")", "-", "x", "x"};
-constexpr Markup kLatex = {&latex_escaped, "\\textbf{", "}",  "\\underline{", "}",        " {\\scriptsize(",
-                           "--",           ")}",        "--", "$\\times$",    "$\\times$"};
-
 bool partly_failed(const Cell& cell) { return cell.failed + cell.diverged > 0 && cell.runs > 1; }
+
+bool any_mark(const MetricTable& table, std::size_t Cell::*count) {
+  return std::any_of(table.lines.begin(), table.lines.end(), [&](const Line& line) {
+    return std::any_of(line.cells.begin(), line.cells.end(), [&](const Cell& cell) { return cell.*count > 0; });
+  });
+}
+
+/// A text of the study is Markdown already, but no HTML.
+std::string without_tags(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<' || c == '>') {
+      out += c == '<' ? "&lt;" : "&gt;";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string markdown_line(const std::vector<std::string>& cells) {
+  return fmt::format("| {} |\n", fmt::join(cells, " | "));
+}
+
+std::string markdown_rule(std::size_t columns) {
+  std::string text = "|---|";
+  for (std::size_t i = 1; i < columns; ++i) text += "--:|";
+  return text + "\n";
+}
+
+std::string markdown_table(const StudyFolder& study, const MetricTable& table) {
+  std::vector<std::string> cells = {"sequence"};
+  for (const std::string& label : study.labels) cells.push_back(markdown_cell(label));
+  std::string text =
+      fmt::format("\n## {}\n\n", heading(table.metric)) + markdown_line(cells) + markdown_rule(cells.size());
+  for (const Line& line : table.lines) {
+    cells = {markdown_cell(line.sequence)};
+    for (const Cell& cell : line.cells) cells.push_back(cell_text(table.metric, cell, kMarkdown));
+    text += markdown_line(cells);
+  }
+  return text + "\n" + footnotes(table, kMarkdown) + "\n";
+}
+
+std::vector<std::string> comparison_header(const Comparison& comparison, const Markup& markup) {
+  std::vector<std::string> cells = {"method", "baseline", "sequences", "pairs", "median ratio"};
+  for (const Statistic& statistic : comparison.more) cells.push_back(markup.escaped(statistic.name));
+  return cells;
+}
+
+std::vector<std::string> comparison_cells(const StudyFolder& study, const Comparison& c, const Markup& markup) {
+  std::vector<std::string> cells = {markup.escaped(study.labels[c.method]), markup.escaped(study.labels[c.baseline]),
+                                    tally_text(c.sequences), tally_text(c.pairs), ratio_text(c, markup)};
+  for (const Statistic& statistic : c.more) cells.push_back(markup.escaped(statistic.text));
+  return cells;
+}
+
+std::string markdown_comparison(const StudyFolder& study, const MetricTable& table) {
+  if (table.comparisons.empty()) return "";
+  const auto header = comparison_header(table.comparisons[0], kMarkdown);
+  std::string text =
+      "\nWon / lost / tied against the baseline: sequences by their medians, and pairs of runs over the same "
+      "data.\n\n" +
+      markdown_line(header) + markdown_rule(header.size());
+  for (const Comparison& c : table.comparisons) text += markdown_line(comparison_cells(study, c, kMarkdown));
+  return text;
+}
+
+std::string markdown_failures(const StudyFolder& study) {
+  std::string text;
+  for (const FolderRun& run : study.runs) {
+    if (run.good()) continue;
+    text += markdown_line({markdown_cell(run.data), markdown_cell(run.folder.filename().string()),
+                           markdown_cell(run.status), markdown_cell(run.reason)});
+  }
+  if (text.empty()) return text;
+  return "\n## Runs that failed or diverged\n\n| data | run | status | reason |\n|---|---|---|---|\n" + text;
+}
+
+/// A cell of CSV that neither ends early nor becomes a formula in a spreadsheet.
+std::string csv_text(const std::string& text) {
+  const bool formula = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
+  const std::string cell = formula ? "'" + text : text;
+  if (cell.find_first_of(",\"\n\r") == std::string::npos) return cell;
+  std::string out = "\"";
+  for (const char c : cell) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + '"';
+}
+
+}  // namespace
 
 /// "1.2 (1.0-1.5) 1x 2-": median, range of the recordings with a figure, how many runs failed and diverged.
 std::string cell_text(const Metric& metric, const Cell& cell, const Markup& markup) {
@@ -63,12 +145,6 @@ std::string heading(const Metric& metric) {
   return metric.unit.empty() ? metric.title : fmt::format("{} [{}]", metric.title, metric.unit);
 }
 
-bool any_mark(const MetricTable& table, std::size_t Cell::*count) {
-  return std::any_of(table.lines.begin(), table.lines.end(), [&](const Line& line) {
-    return std::any_of(line.cells.begin(), line.cells.end(), [&](const Cell& cell) { return cell.*count > 0; });
-  });
-}
-
 /// What the marks of this table mean; only those that are in it.
 std::string footnotes(const MetricTable& table, const Markup& markup) {
   std::string text = "Median over seeds, smallest and largest in brackets.";
@@ -89,132 +165,12 @@ std::string footnotes(const MetricTable& table, const Markup& markup) {
   return text;
 }
 
-/// A text of the study is Markdown already, but no HTML.
-std::string without_tags(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<' || c == '>') {
-      out += c == '<' ? "&lt;" : "&gt;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
-
 std::string tally_text(const Tally& tally) { return fmt::format("{} / {} / {}", tally.won, tally.lost, tally.tied); }
 
 std::string ratio_text(const Comparison& comparison, const Markup& markup) {
   if (!comparison.ratio) return "";
   return std::isfinite(*comparison.ratio) ? fmt::format("{:.3g}", *comparison.ratio) : std::string(markup.failed);
 }
-
-std::string markdown_line(const std::vector<std::string>& cells) {
-  return fmt::format("| {} |\n", fmt::join(cells, " | "));
-}
-
-std::string markdown_rule(std::size_t columns) {
-  std::string text = "|---|";
-  for (std::size_t i = 1; i < columns; ++i) text += "--:|";
-  return text + "\n";
-}
-
-std::string markdown_table(const StudyFolder& study, const MetricTable& table) {
-  std::vector<std::string> cells = {"sequence"};
-  for (const std::string& method : study.methods) cells.push_back(markdown_cell(method));
-  std::string text =
-      fmt::format("\n## {}\n\n", heading(table.metric)) + markdown_line(cells) + markdown_rule(cells.size());
-  for (const Line& line : table.lines) {
-    cells = {markdown_cell(line.sequence)};
-    for (const Cell& cell : line.cells) cells.push_back(cell_text(table.metric, cell, kMarkdown));
-    text += markdown_line(cells);
-  }
-  return text + "\n" + footnotes(table, kMarkdown) + "\n";
-}
-
-std::vector<std::string> comparison_header(const Comparison& comparison, const Markup& markup) {
-  std::vector<std::string> cells = {"method", "baseline", "sequences", "pairs", "median ratio"};
-  for (const Statistic& statistic : comparison.more) cells.push_back(markup.escaped(statistic.name));
-  return cells;
-}
-
-std::vector<std::string> comparison_cells(const StudyFolder& study, const Comparison& c, const Markup& markup) {
-  std::vector<std::string> cells = {markup.escaped(study.methods[c.method]), markup.escaped(study.methods[c.baseline]),
-                                    tally_text(c.sequences), tally_text(c.pairs), ratio_text(c, markup)};
-  for (const Statistic& statistic : c.more) cells.push_back(markup.escaped(statistic.text));
-  return cells;
-}
-
-std::string markdown_comparison(const StudyFolder& study, const MetricTable& table) {
-  if (table.comparisons.empty()) return "";
-  const auto header = comparison_header(table.comparisons[0], kMarkdown);
-  std::string text =
-      "\nWon / lost / tied against the baseline: sequences by their medians, and pairs of runs over the same "
-      "data.\n\n" +
-      markdown_line(header) + markdown_rule(header.size());
-  for (const Comparison& c : table.comparisons) text += markdown_line(comparison_cells(study, c, kMarkdown));
-  return text;
-}
-
-std::string markdown_failures(const StudyFolder& study) {
-  std::string text;
-  for (const FolderRun& run : study.runs) {
-    if (run.good()) continue;
-    text += markdown_line({markdown_cell(run.data), markdown_cell(run.folder.filename().string()),
-                           markdown_cell(run.status), markdown_cell(run.reason)});
-  }
-  if (text.empty()) return text;
-  return "\n## Runs that failed or diverged\n\n| data | run | status | reason |\n|---|---|---|---|\n" + text;
-}
-
-std::string latex_table(const StudyFolder& study, const MetricTable& table) {
-  std::string text = "\\begin{table}[t]\n\\centering\n";
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "\\caption{{{}: {}}}\n\\label{{tab:{}}}\n\\begin{{tabular}}{{l{}}}\n\\toprule\nSequence",
-                 latex_escaped(study.name), latex_escaped(heading(table.metric)), table.metric.name,
-                 std::string(study.methods.size(), 'r'));
-  for (const std::string& method : study.methods) fmt::format_to(out, " & {}", latex_escaped(method));
-  text += " \\\\\n\\midrule\n";
-  for (const Line& line : table.lines) {
-    text += latex_escaped(line.sequence);
-    for (const Cell& cell : line.cells) fmt::format_to(out, " & {}", cell_text(table.metric, cell, kLatex));
-    text += " \\\\\n";
-  }
-  fmt::format_to(out, "\\bottomrule\n\\end{{tabular}}\n\n\\smallskip\n{{\\footnotesize {}}}\n\\end{{table}}\n",
-                 footnotes(table, kLatex));
-  return text;
-}
-
-std::string latex_comparison(const StudyFolder& study, const MetricTable& table) {
-  if (table.comparisons.empty()) return "";
-  const auto header = comparison_header(table.comparisons[0], kLatex);
-  std::string text = "\n\\begin{table}[t]\n\\centering\n";
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out,
-                 "\\caption{{{}: {} against the baseline, won / lost / tied}}\n\\begin{{tabular}}{{ll{}}}\n\\toprule\n"
-                 "{} \\\\\n\\midrule\n",
-                 latex_escaped(study.name), latex_escaped(table.metric.title), std::string(header.size() - 2, 'r'),
-                 fmt::join(header, " & "));
-  for (const Comparison& c : table.comparisons) {
-    fmt::format_to(out, "{} \\\\\n", fmt::join(comparison_cells(study, c, kLatex), " & "));
-  }
-  return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
-}
-
-/// A cell of CSV that neither ends early nor becomes a formula in a spreadsheet.
-std::string csv_text(const std::string& text) {
-  const bool formula = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
-  const std::string cell = formula ? "'" + text : text;
-  if (cell.find_first_of(",\"\n\r") == std::string::npos) return cell;
-  std::string out = "\"";
-  for (const char c : cell) {
-    if (c == '"') out += '"';
-    out += c;
-  }
-  return out + '"';
-}
-
-}  // namespace
 
 std::string to_markdown(const StudyFolder& study) {
   std::string text = fmt::format("# {}\n\n", markdown_cell(study.name));
@@ -232,14 +188,6 @@ std::string to_markdown(const StudyFolder& study) {
     text += markdown_table(study, table) + markdown_comparison(study, table);
   }
   return text + markdown_failures(study);
-}
-
-std::string to_latex(const StudyFolder& study) {
-  std::string text = "% needs \\usepackage{booktabs}\n";
-  for (const MetricTable& table : make_tables(study, study.metrics)) {
-    text += latex_table(study, table) + latex_comparison(study, table);
-  }
-  return text;
 }
 
 std::string to_csv(const StudyFolder& study) {

@@ -5,7 +5,7 @@ import * as echarts from 'echarts/core';
 import {LabelLayout} from 'echarts/features';
 import {SVGRenderer} from 'echarts/renderers';
 import {h, section, segmented, whenNear} from './dom.js';
-import {brief, heading} from './model.js';
+import {brief, heading, ratioOf} from './model.js';
 import {heatData} from './heat.js';
 import {colourOf, dark, ink} from './theme.js';
 
@@ -30,7 +30,7 @@ class Chart {
     const height = this.height();
     this.chart ??= echarts.init(this.place, null, {renderer: 'svg', width, height});
     this.chart.resize({width, height});
-    this.chart.setOption({...base(), ...this.options(width)}, {notMerge: true});
+    this.chart.setOption({...base(), ...this.options(width, this.chart)}, {notMerge: true});
   }
 }
 
@@ -83,7 +83,7 @@ function boxOptions(study, choice) {
     });
     const colour = colourOf(m);
     series.push({
-      type: 'boxplot', name: study.methods[m], data: boxes, boxWidth: [3, 26],
+      type: 'boxplot', name: study.labels[m], data: boxes, boxWidth: [3, 26],
       itemStyle: {color: `${colour}33`, borderColor: colour, borderWidth: 1.4},
       tooltip: {formatter: ({name, seriesName, data, dataIndex}) => `${seriesName}, ${name}\n${failed[dataIndex][0] ? `${failed[dataIndex][0]} of ${failed[dataIndex][1]} runs failed; the others:\n` : ''}median ${brief(data[3])}\nquartiles ${brief(data[2])} to ${brief(data[4])}\nall ${brief(data[1])} to ${brief(data[5])}`},
     });
@@ -97,8 +97,35 @@ function boxOptions(study, choice) {
   };
 }
 
+/** Places the names of points where they cover neither each other nor a point: beside their own, or as near to it as there is room. */
+function apart(chart, values) {
+  const taken = [];
+  const overlaps = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+  return ({labelRect, rect, dataIndex}) => {
+    if (dataIndex === 0) {
+      taken.length = 0;
+      for (const value of values) {
+        const [x, y] = chart.convertToPixel({xAxisIndex: 0, yAxisIndex: 0}, value);
+        taken.push({x: x - 7, y: y - 7, width: 14, height: 14});
+      }
+    }
+    const {width, height} = labelRect, x = rect.x + rect.width / 2, y = rect.y + rect.height / 2;
+    const inside = (box) => box.x >= 0 && box.y >= 0 && box.x + width <= chart.getWidth() && box.y + height <= chart.getHeight() - 30;
+    let place = null;
+    for (let away = 10; away < 160 && !place; away += 8) {
+      // Above right first: the front leaves a point to the right and below.
+      place = [[x + away - 4, y - away + 4 - height], [x - away - width, y + away], [x - width / 2, y - away - height], [x - away - width, y - height / 2],
+        [x + away, y - height / 2], [x - width / 2, y + away], [x + away, y + away], [x - away - width, y - away - height]]
+        .map(([left, top]) => ({x: left, y: top, width, height})).find((box) => inside(box) && !taken.some((other) => overlaps(box, other)));
+    }
+    place ??= labelRect;
+    taken.push({x: place.x - 2, y: place.y, width: width + 4, height});
+    return {x: place.x, y: place.y, align: 'left', verticalAlign: 'top'};
+  };
+}
+
 /** Typical cost and error of every method; the line joins those that none beats in both. */
-function frontOptions(study, choice) {
+function frontOptions(study, choice, chart) {
   const table = study.table(choice.get('metric')), cost = study.table('cpu_s_per_s');
   // Of sequences that have both figures: two means over different ones are no point.
   const both = (m, i) => [table, cost].every((t) => t.lines[i]?.cells[m].mark === 'value' && t.lines[i].cells[m].median > 0);
@@ -106,12 +133,11 @@ function frontOptions(study, choice) {
     const values = t.lines.filter((_, i) => both(m, i)).map((line) => line.cells[m].median);
     return values.length ? Math.exp(values.reduce((sum, v) => sum + Math.log(v), 0) / values.length) : null;
   };
-  const points = study.methods.map((name, m) => ({name, m, failed: table.lines.filter((line) => line.cells[m].mark !== 'value').length,
+  const points = study.labels.map((name, m) => ({name, m, failed: table.lines.filter((line) => line.cells[m].mark !== 'value').length,
     value: [mean(cost, m), table.scale * mean(table, m)]})).filter((p) => !choice.get('hidden').has(p.m) && p.value[0] && p.value[1]);
   const clouds = points.map(({m}) => ({type: 'scatter', symbolSize: 4, silent: true, itemStyle: {color: colourOf(m), opacity: 0.3},
     data: study.runs.filter((run) => run.method === study.methods[m] && run.good)
       .map((run) => [study.figure(run, 'cpu_s_per_s'), table.scale * study.figure(run, table.metric)]).filter(([x, y]) => x > 0 && y > 0)}));
-  points.sort((a, b) => a.value[0] - b.value[0]).forEach((p, i) => { p.side = ['top', 'bottom', 'right', 'left'][i % 4]; });
   const all = [...points.map((p) => p.value), ...clouds.flatMap((cloud) => cloud.data)];
   const front = [...points].filter((p) => !p.failed).sort((a, b) => a.value[0] - b.value[0] || a.value[1] - b.value[1])
     .filter((p, i, all) => all.slice(0, i).every((q) => q.value[1] > p.value[1])).map((p) => p.value);
@@ -122,8 +148,8 @@ function frontOptions(study, choice) {
     series: [...clouds, {type: 'line', data: front, symbol: 'none', silent: true, step: 'end', lineStyle: {color: ink('muted'), type: 'dashed', width: 1}},
       {type: 'scatter', data: points.map((p) => ({value: p.value, name: p.name, failed: p.failed, symbolSize: 13, symbol: p.failed ? 'emptyCircle' : 'circle',
         itemStyle: {color: colourOf(p.m), borderColor: ink('card'), borderWidth: 1},
-        label: {show: true, formatter: () => p.name, position: p.side, color: ink('text'), fontSize: 11}})),
-      labelLayout: {hideOverlap: false, moveOverlap: 'shiftY'},
+        label: {show: true, formatter: () => p.name, position: 'right', color: ink('text'), fontSize: 11}})),
+      labelLayout: apart(chart, points.map((p) => p.value)),
       tooltip: {formatter: ({name, value, data}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`
         + (data.failed ? `, without the ${data.failed} of ${table.lines.length} sequences that failed, or are not there yet` : '')}}],
   };
@@ -131,32 +157,27 @@ function frontOptions(study, choice) {
 
 function heatOptions(study, choice) {
   const table = study.table(choice.get('metric'));
-  const {columns, rows, cells, ratio} = heatData(study, table, choice.get('hidden'));
+  const {columns, rows, cells} = heatData(study, table, choice.get('hidden'));
   const values = cells.map((cell) => cell.value[2]).filter(Number.isFinite);
-  const reach = ratio ? Math.max(Math.min(Math.max(...values.map(Math.abs), 0.1), 2), 0.1) : null;
-  const colours = ratio ? (dark() ? ['#2f9e74', '#23262d', '#d0653d'] : ['#1b8a5f', '#f7f5f0', '#cf5a2b'])
-    : (dark() ? ['#1c2f4a', '#58aef2'] : ['#eef4fb', '#0b6bb5']);
-  const low = values.length ? Math.min(...values) : 0, high = values.length ? Math.max(...values) : 1;
-  const middle = (low + high) / 2;
+  // Full colour at a factor of 1.5 at least, so that 1.06 stays pale, and of 2 at most, so that 0.89 is told from 1.10 beside a 10.
+  const reach = Math.min(Math.max(...values.map(Math.abs), Math.log2(1.5)), 1);
+  const colours = dark() ? ['#2f9e74', '#23262d', '#d0653d'] : ['#1b8a5f', '#f7f5f0', '#cf5a2b'];
   const label = ({data}) => data.text;
   return {
     grid: {left: 8, right: 8, top: 8, bottom: 60, containLabel: true},
     xAxis: axis({type: 'category', data: columns, splitArea: {show: false}, axisLabel: {color: ink('muted'), fontSize: 11, interval: 0, rotate: columns.join('').length > 60 ? 30 : 0}}),
     yAxis: axis({type: 'category', data: rows, inverse: true, axisLabel: {color: ink('muted'), fontSize: 11}}),
-    visualMap: {min: ratio ? -reach : low, max: ratio ? reach : Math.max(high, low + 1e-9), calculable: false, orient: 'horizontal', left: 'center', bottom: 0,
+    visualMap: {min: -reach, max: reach, calculable: false, orient: 'horizontal', left: 'center', bottom: 0,
       itemHeight: 120, itemWidth: 10, inRange: {color: colours}, textStyle: {color: ink('muted'), fontSize: 11},
-      text: ratio ? ['worse', 'better'] : [brief(high), brief(low)]},
-    // What failed has the colour of the worst.
-    series: [{type: 'heatmap', data: cells.map((cell) => (cell.failed ? {...cell, value: [...cell.value.slice(0, 2), Math.max(high, low + 1e-9)]} : cell))
-      .map((cell) => ({...cell, label: {color: labelInk(cell.value[2], ratio, reach, middle)}})),
+      text: [`${ratioOf(2 ** reach)} or more`, `${ratioOf(2 ** -reach)} or less`]},
+    series: [{type: 'heatmap', data: cells.map((cell) => ({...cell, label: {color: labelInk(cell.value[2], reach)}})),
       label: {show: true, formatter: label, fontSize: 11}, itemStyle: {borderColor: ink('card'), borderWidth: 2},
       tooltip: {formatter: ({data}) => data.note}}],
   };
 }
 
-function labelInk(value, ratio, reach, middle) {
-  const strong = ratio ? Math.abs(value) > 0.55 * reach : value > middle;
-  return strong && !dark() ? '#fff' : ink('text');
+function labelInk(value, reach) {
+  return Math.abs(value) > 0.55 * reach && !dark() ? '#fff' : ink('text');
 }
 
 export function chartsSection(study, choice) {
@@ -164,7 +185,7 @@ export function chartsSection(study, choice) {
   const boxes = new Chart('Error distribution', () => boxOptions(study, choice), () => 320);
   const heat = new Chart('Ablation heat map', () => heatOptions(study, choice),
     () => Math.max(240, 26 * heatData(study, table(), choice.get('hidden')).rows.length + 130));
-  const front = study.figures.includes('cpu_s_per_s') && new Chart('Cost against accuracy', () => frontOptions(study, choice), () => 340);
+  const front = study.figures.includes('cpu_s_per_s') && new Chart('Cost against accuracy', (width, chart) => frontOptions(study, choice, chart), () => 340);
   const charts = [boxes, heat, front].filter(Boolean);
   const titles = h('strong');
   const draw = () => {

@@ -1,5 +1,5 @@
 // How the resolved pipelines of two methods differ, and what was run.
-import {h, section, select} from './dom.js';
+import {h, scroller, section, select} from './dom.js';
 
 /** Methods with a resolved pipeline, and that of their first run. */
 function pipelines(study) {
@@ -24,7 +24,7 @@ export function configSection(study) {
   const baseline = study.baselines.find((b) => b !== null && b !== undefined);
   const first = Math.max(all.findIndex((p) => p.name === study.methods[baseline]), 0);
   const state = {a: first, b: all.length > 1 ? (first + 1) % all.length : first, whole: false};
-  const place = h('div', {class: 'scroll'});
+  const place = scroller();
   const draw = () => {
     const rows = compare(all[state.a].values, all[state.b].values);
     const differences = rows.filter((row) => row[3]).length;
@@ -53,7 +53,7 @@ function leaves(value, path, out) {
 }
 
 function facts(pairs) {
-  return h('div', {class: 'scroll'}, h('table', {class: 'plain configs'}, h('tbody', null, pairs.map(([path, text]) =>
+  return scroller(h('table', {class: 'plain configs'}, h('tbody', null, pairs.map(([path, text]) =>
     h('tr', null, h('th', {scope: 'row'}, h('code', null, path)), h('td', null, text.includes('\n') ? h('pre', null, text) : h('code', null, text)))))));
 }
 

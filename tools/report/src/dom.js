@@ -71,6 +71,29 @@ export function whenNear(element, action) {
   addEventListener('beforeprint', act);
 }
 
+/** A place that scrolls sideways; its edge fades out where there is more to see. */
+export function scroller(...children) {
+  const place = h('div', {class: 'scroll'}, children);
+  const mark = () => {
+    const room = place.scrollWidth - place.clientWidth;
+    place.classList.toggle('more-left', place.scrollLeft > 2);
+    place.classList.toggle('more-right', room - place.scrollLeft > 2);
+    // Without a mouse it is scrolled by the arrow keys.
+    if (room > 2) place.tabIndex = 0;
+    else place.removeAttribute('tabindex');
+  };
+  place.addEventListener('scroll', mark, {passive: true});
+  const sizes = new ResizeObserver(mark);
+  sizes.observe(place);
+  const watch = () => {
+    for (const child of place.children) sizes.observe(child);
+    mark();
+  };
+  new MutationObserver(watch).observe(place, {childList: true});
+  watch();
+  return place;
+}
+
 export function section(id, title, note, ...children) {
   return h('section', {id, 'aria-labelledby': `${id}-title`},
     h('h2', {id: `${id}-title`}, title), note && h('p', {class: 'note'}, note), children);

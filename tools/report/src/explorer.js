@@ -1,5 +1,5 @@
 // The runs over one recording, in space and over time, scrubbed together.
-import {h, section, select, whenNear} from './dom.js';
+import {h, scroller, section, select, whenNear} from './dom.js';
 import {brief, heading, shown} from './model.js';
 import {SpaceView} from './scene.js';
 import {CHANNELS, Timeline} from './timeline.js';
@@ -17,7 +17,7 @@ class Explorer {
       oninput: (event) => choice.set({time: Number(event.target.value)})});
     this.clock = h('output', {class: 'clock'});
     this.legend = h('div', {class: 'legend'});
-    this.list = h('div', {class: 'scroll'});
+    this.list = scroller();
     this.playButton = h('button', {type: 'button', class: 'play', 'aria-label': 'play', onclick: () => this.play()}, '\u25b6');
     choice.on(['recording'], () => this.started && this.draw(false));
     choice.on(['hidden', 'theme', 'focus'], () => this.started && this.draw(true));
@@ -56,7 +56,7 @@ class Explorer {
     this.slider.max = this.end;
     this.space.resize();
     this.space.show({
-      runs: courses.filter(({course}) => course.path).map(({run, course}) => ({path: course.path, colour: this.colour(run), name: run.method})),
+      runs: courses.filter(({course}) => course.path).map(({run, course}) => ({path: course.path, colour: this.colour(run), name: this.study.labelOf(run)})),
       truth, map,
     }, keepView);
     if (!keepView) {
@@ -77,7 +77,7 @@ class Explorer {
     const order = [...courses].sort((a, b) => (a.run.method === focus ? 1 : 0) - (b.run.method === focus ? 1 : 0));
     for (const [name] of CHANNELS) {
       lines[name] = order.filter(({course}) => course.channels[name])
-        .map(({run, course}) => ({name: run.method, colour: this.colour(run), channel: course.channels[name]}));
+        .map(({run, course}) => ({name: this.study.labelOf(run), colour: this.colour(run), channel: course.channels[name]}));
     }
     if (overlap && lines.sod.length) lines.sod.unshift({name: 'truth', colour: ink('truth'), channel: overlap, dash: [4, 3]});
     return lines;
@@ -99,7 +99,7 @@ class Explorer {
     this.list.replaceChildren(h('table', {class: 'plain'},
       h('thead', null, h('tr', null, ['method', 'status', ...tables.map(heading), 'mean CPU of an update by stage'].map((text, i) => h('th', {scope: 'col', class: i < 2 ? 'left' : ''}, text)))),
       h('tbody', null, this.group.runs.map((run) => h('tr', {class: run.method === this.choice.get('focus') ? 'focus' : ''},
-        h('th', {scope: 'row'}, h('span', {class: 'swatch', style: {'--c': this.colour(run)}}), run.method),
+        h('th', {scope: 'row'}, h('span', {class: 'swatch', style: {'--c': this.colour(run)}}), this.study.labelOf(run)),
         h('td', {class: 'left'}, h('span', {class: `badge ${run.good ? (run.status === 'ok' ? 'good' : 'open') : 'bad'}`, title: run.reason}, run.status),
           run.reason && h('span', {class: 'reason'}, run.reason)),
         tables.map((table) => h('td', null, shown(table, study.figure(run, table.metric)))),

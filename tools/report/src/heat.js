@@ -1,6 +1,9 @@
 // What the heat map shows: methods by sequences against the baseline, or the axes of the study.
 import {ratioOf, shown} from './model.js';
 
+/** Log2 of the ratio of what failed: beyond any scale. */
+const WORST = 9;
+
 /** The method's name without the suffixes of the axes. */
 function baseName(study, run) {
   return study.axes.reduceRight((name, axis, k) => {
@@ -29,12 +32,16 @@ function overAxes(study, table, hidden) {
     if (!failed && !Number.isFinite(value)) return;  // nothing run yet
     // A mean over what did not fail would make failing pay.
     const rest = Number.isFinite(value) ? `${shown(table, value)} ${table.unit}` : 'no figure';
-    cells.push({value: [columns.indexOf(column), rows.indexOf(row), failed ? NaN : table.scale * value], failed: failed > 0,
+    cells.push({value: [columns.indexOf(column), rows.indexOf(row), failed ? NaN : value], m, failed: failed > 0,
       text: failed ? `${failed}x` : shown(table, value),
       note: `${method}\n${failed ? `${failed} of ${table.lines.length} sequences failed; the others: ${rest}` : rest}`});
   });
-  return {columns, rows, cells, ratio: false,
-    words: 'Geometric mean over the sequences of the medians; 2x: two sequences failed, which is worse than any figure.'};
+  // Colours as of ratios, on a scale of powers around 1: a linear one hides 0.89 against 1.10 where something is ten times as large.
+  const named = cells.find((cell) => study.baselines.includes(cell.m) && !cell.failed)?.value[2];
+  const middle = named ?? geometricMean(cells.map((cell) => cell.value[2]).filter((v) => v > 0));
+  for (const cell of cells) cell.value[2] = cell.failed ? WORST : Math.log2(cell.value[2] / middle);
+  return {columns, rows, cells,
+    words: `Geometric mean over the sequences of the medians; colours by the ratio to ${named ? 'the baseline' : 'the mean of all cells'}. 2x: two sequences failed, which is worse than any figure.`};
 }
 
 /** The reference of a line: the baseline of the method, or the best of the line where the study names none. */
@@ -52,11 +59,11 @@ function overSequences(study, table, hidden) {
     const ratio = cell.mark === 'value' && against > 0 ? cell.median / against : NaN;
     const mark = {failed: 'x', diverged: '-'}[cell.mark];
     if (!Number.isFinite(ratio) && !mark) return;
-    cells.push({value: [column, row, mark ? 9 : Math.log2(Math.max(ratio, 1e-6))], text: mark ?? ratioOf(ratio),
-      note: `${study.methods[m]}, ${line.sequence}\n${mark ? 'failed' : `${shown(table, cell.median)} ${table.unit}, ${ratioOf(ratio)} of the reference`}`});
+    cells.push({value: [column, row, mark ? WORST : Math.log2(Math.max(ratio, 1e-6))], text: mark ?? ratioOf(ratio),
+      note: `${study.labels[m]}, ${line.sequence}\n${mark ? 'failed' : `${shown(table, cell.median)} ${table.unit}, ${ratioOf(ratio)} of the reference`}`});
   }));
   const named = study.baselines.some((b) => b !== null);
-  return {columns: methods.map((m) => study.methods[m]), rows: table.lines.map((line) => line.sequence), cells, ratio: true,
+  return {columns: methods.map((m) => study.labels[m]), rows: table.lines.map((line) => line.sequence), cells,
     words: `Medians over those of the ${named ? 'baseline' : 'best of the line'}: below 1 is better.`};
 }
 

@@ -19,11 +19,17 @@ export class Study {
       run.index = index;
       run.good = run.status === 'ok' || run.status === 'degraded';
     });
+    this.labels ??= this.methods;
     this.decoded = new Map();
   }
 
   table(metric) {
     return this.tables.find((table) => table.metric === metric) ?? this.tables[0];
+  }
+
+  /** What people call the method of a run. */
+  labelOf(run) {
+    return this.labels[this.methods.indexOf(run.method)] ?? run.method;
   }
 
   runsOf(sequence, method) {
@@ -114,6 +120,17 @@ export function brief(value) {
 /** A ratio, so that 1.00 is told from 1.02. */
 export function ratioOf(value) {
   return value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(2);
+}
+
+/** Whether a comparison shows more than chance, by the p-value that is corrected for the lines of its table. */
+export function significant(comparison) {
+  const text = (comparison?.more ?? []).find(([name]) => name === 'p (Holm)')?.[1] ?? '';
+  return text.startsWith('<') || (text !== '' && Number(text) < 0.05);
+}
+
+/** How strong a colour a ratio gets, 0 to 1: by its size, a factor of two in full. */
+export function strengthOf(ratio) {
+  return ratio > 0 ? Math.min(Math.abs(Math.log2(ratio)), 1) : 1;
 }
 
 export function shown(table, value) {

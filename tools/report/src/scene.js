@@ -141,6 +141,8 @@ export class SpaceView {
 
   /** Largest value of the colours, for the legend: [low, high, unit]. */
   get scale() {
+    // In the unit of the tables.
+    if (this.legend && this.settings.colour === 'error' && this.legend[1] < 0.1) return [1000 * this.legend[0], 1000 * this.legend[1], 'mm'];
     return this.legend;
   }
 

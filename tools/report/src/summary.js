@@ -1,7 +1,7 @@
 // What the study asks, and how the methods stand, in one look.
-import {h, section} from './dom.js';
+import {h, scroller, section} from './dom.js';
 import {markdown} from './markdown.js';
-import {brief, heading, ratioOf} from './model.js';
+import {brief, heading, ratioOf, significant, strengthOf} from './model.js';
 import {colourOf} from './theme.js';
 
 function questionCards(study) {
@@ -43,7 +43,7 @@ function standing(study, metric) {
     const costs = cpu && cpu.metric === 'cpu_s_per_s' ? cpu.lines.map((line) => line.cells[m].median).filter(Number.isFinite) : [];
     costs.sort((a, b) => a - b);
     return {
-      name, m, comparison,
+      name: study.labels[m], m, comparison,
       best: cells.filter((cell) => cell.rank === 1).length,
       second: cells.filter((cell) => cell.rank === 2).length,
       bad: runs.filter((run) => !run.good).length, runs: runs.length,
@@ -67,23 +67,32 @@ function standingTable(study, metric) {
   const lines = standing(study, metric);
   const anyRatio = lines.some((line) => line.comparison);
   const ranked = table.smaller && lines.length > 1;
-  const head = ['Method', ranked ? `Best, second of ${study.sequences.length}` : null,
+  const head = ['Method', ranked ? `Rank over ${study.sequences.length} ${study.sequences.length === 1 ? 'sequence' : 'sequences'}` : null,
     anyRatio ? 'Ratio to baseline' : null, anyRatio ? 'Pairs won / lost' : null, 'CPU per s of data', 'Failed'];
-  return h('div', {class: 'scroll'}, h('table', {class: 'plain standing'},
+  return scroller(h('table', {class: 'plain standing'},
     h('thead', null, h('tr', null, head.filter(Boolean).map((text) => h('th', {scope: 'col'}, text)))),
     h('tbody', null, lines.map((line) => h('tr', null,
       h('th', {scope: 'row'}, h('span', {class: 'swatch', style: {'--c': colourOf(line.m)}, 'data-method': line.m}), line.name,
         line.baseline && h('span', {class: 'tag'}, 'baseline')),
-      ranked && h('td', null, winsBar(line, study.sequences.length), h('span', {class: 'count'}, `${line.best}, ${line.second}`)),
-      anyRatio && h('td', {class: ratioClass(line.comparison)}, line.comparison ? ratioText(line.comparison.ratio) : ''),
+      ranked && h('td', null, winsBar(line, study.sequences.length), h('span', {class: 'count'}, rankWords(line))),
+      anyRatio && h('td', ratioLook(line.comparison), line.comparison ? ratioText(line.comparison.ratio) : ''),
       anyRatio && h('td', null, line.comparison ? `${line.comparison.pairs[0]} / ${line.comparison.pairs[1]}` : ''),
       h('td', null, line.cost === null ? '' : `${brief(line.cost)} s`),
       h('td', {class: line.bad ? 'bad' : ''}, line.bad ? `${line.bad} of ${line.runs}` : '0'))))));
 }
 
-function ratioClass(comparison) {
-  if (!comparison || typeof comparison.ratio !== 'number') return '';
-  return comparison.ratio < 0.995 ? 'better' : comparison.ratio >= 1.005 ? 'worse' : '';
+/** "best on 2, second on 1". */
+function rankWords(line) {
+  const words = [line.best && `best on ${line.best}`, line.second && `second on ${line.second}`].filter(Boolean);
+  return words.join(', ') || 'neither best nor second';
+}
+
+/** Colour only for what is more than chance, and the stronger the larger it is. */
+function ratioLook(comparison) {
+  if (!comparison || typeof comparison.ratio !== 'number') return {};
+  if (!significant(comparison)) return {title: 'no more than chance shows, or too few pairs to tell: p (Holm) is not below 0.05'};
+  return {class: comparison.ratio < 1 ? 'better' : 'worse', title: 'p (Holm) is below 0.05',
+    style: {'--strength': `${Math.round(35 + 65 * strengthOf(comparison.ratio))}%`}};
 }
 
 function tiles(study) {
@@ -117,7 +126,8 @@ export function summarySection(study, choice) {
   const place = h('div');
   const draw = () => {
     const table = study.table(choice.get('metric'));
-    place.replaceChildren(h('h3', null, `Standing by ${heading(table)}`), standingTable(study, choice.get('metric')));
+    place.replaceChildren(...[h('h3', null, `Standing by ${heading(table)}`), standingTable(study, choice.get('metric')),
+      table.comparisons.length > 0 && h('p', {class: 'note'}, 'A ratio has a colour where it is more than chance: p (Holm) below 0.05.')].filter(Boolean));
   };
   if (study.tables.length) {
     choice.on(['metric', 'theme'], draw);

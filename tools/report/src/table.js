@@ -1,5 +1,5 @@
 // The results: sortable, filtered, and every cell opens its runs.
-import {h, s, section, segmented, select} from './dom.js';
+import {h, s, scroller, section, segmented, select} from './dom.js';
 import {heading, ratioOf, shown} from './model.js';
 import {colourOf} from './theme.js';
 
@@ -36,7 +36,7 @@ export class ResultsTable {
     this.sort = {method: null, descending: false};
     this.filter = '';
     this.open = null;
-    this.place = h('div', {class: 'scroll'});
+    this.place = scroller();
     this.comparison = h('div');
     choice.on(['metric', 'hidden', 'theme'], () => this.draw());
     this.draw();
@@ -89,7 +89,7 @@ export class ResultsTable {
     }
     this.place.replaceChildren(h('table', {class: 'results'},
       h('caption', null, heading(this.table)),
-      h('thead', null, h('tr', null, this.header(-1, 'sequence'), methods.map((m) => this.header(m, this.study.methods[m])))), body));
+      h('thead', null, h('tr', null, this.header(-1, 'sequence'), methods.map((m) => this.header(m, this.study.labels[m])))), body));
     this.comparison.replaceChildren(...this.comparisons());
   }
 
@@ -103,7 +103,7 @@ export class ResultsTable {
     };
     return h('td', {class: `mark-${cell.mark}`}, h('button', {
       type: 'button', class: 'cell', 'data-cell': m, 'aria-expanded': String(Boolean(open)), onclick: toggle,
-      title: `${cell.runs} runs of ${this.study.methods[m]} on ${line.sequence}`,
+      title: `${cell.runs} runs of ${this.study.labels[m]} on ${line.sequence}`,
     }, cellText(this.table, cell), rangeBar(cell, largest, colourOf(m))));
   }
 
@@ -112,7 +112,7 @@ export class ResultsTable {
     const {study, open} = this;
     const figures = [...new Set([this.table.metric, ...study.metrics, 'rate_hz', 'cpu_s_per_s', 'peak_rss_mb'])].filter((name) => study.figures.includes(name));
     const tables = figures.map((name) => study.table(name));
-    return h('div', {class: 'runs'}, h('table', {class: 'plain'},
+    return h('div', {class: 'runs'}, scroller(h('table', {class: 'plain'},
       h('thead', null, h('tr', null, ['run', 'status', ...tables.map(heading), ''].map((text, i) => h('th', {scope: 'col', class: i < 2 ? 'left' : ''}, text)))),
       h('tbody', null, study.runsOf(open.sequence, study.methods[open.method]).map((run) => h('tr', null,
         h('th', {scope: 'row'}, run.order && run.order !== '0' ? `${run.data}, order ${run.order}` : run.data),
@@ -121,7 +121,7 @@ export class ResultsTable {
         tables.map((table) => h('td', null, shown(table, study.figure(run, table.metric)))),
         h('td', null, run.series
           ? h('button', {type: 'button', class: 'small', onclick: () => this.show(run)}, 'look at it')
-          : h('span', {class: 'note'}, 'no course')))))));
+          : h('span', {class: 'note'}, 'no course'))))))));
   }
 
   show(run) {
@@ -136,9 +136,9 @@ export class ResultsTable {
     const lines = this.table.comparisons;
     if (!lines.length) return [];
     const tally = (t) => `${t[0]} / ${t[1]} / ${t[2]}`;
-    const name = (m) => this.study.methods[m];
+    const name = (m) => this.study.labels[m];
     const more = lines[0].more.map(([title]) => title);
-    return [h('h3', null, `${this.table.title} against the baseline`), h('div', {class: 'scroll'}, h('table', {class: 'plain'},
+    return [h('h3', null, `${this.table.title} against the baseline`), scroller(h('table', {class: 'plain'},
       h('thead', null, h('tr', null, ['method', 'baseline', 'sequences won / lost / tied', 'pairs won / lost / tied', 'median ratio', ...more]
         .map((text) => h('th', {scope: 'col'}, text)))),
       h('tbody', null, lines.map((line) => h('tr', null, h('th', {scope: 'row'}, name(line.method)), h('td', null, name(line.baseline)),
@@ -147,18 +147,26 @@ export class ResultsTable {
   }
 }
 
-/** A text to take away. */
+/** A button that shows a text to take away. */
 function copyButton(label, text) {
   return h('button', {type: 'button', onclick: () => {
     const area = h('textarea', {readonly: true, rows: 24, cols: 90, 'aria-label': label});
     area.value = text;
-    const dialog = h('dialog', null, area, h('form', {method: 'dialog'}, h('button', null, 'close')));
+    const said = h('output', {class: 'note'});
+    const copy = async () => {
+      // A browser may withhold the clipboard from a file; the old way then works.
+      const kept = await navigator.clipboard?.writeText(text).then(() => true, () => false);
+      area.focus();
+      area.select();
+      said.value = kept || document.execCommand('copy') ? 'copied' : 'select it and press Ctrl+C';
+    };
+    const dialog = h('dialog', {'aria-label': label}, area, h('form', {method: 'dialog', class: 'tools'},
+      h('button', {type: 'button', class: 'copy', onclick: copy}, 'copy'), h('button', null, 'close'), said));
     dialog.addEventListener('close', () => dialog.remove());
     document.body.append(dialog);
     dialog.showModal();
     area.focus();
     area.select();
-    navigator.clipboard?.writeText(text).catch(() => {});
   }}, label);
 }
 
@@ -166,7 +174,7 @@ export function methodChips(study, choice) {
   const place = h('div', {class: 'chips', role: 'group', 'aria-label': 'methods shown'});
   const draw = () => {
     const hidden = choice.get('hidden');
-    place.replaceChildren(...study.methods.map((name, m) => h('button', {
+    place.replaceChildren(...study.labels.map((name, m) => h('button', {
       type: 'button', class: 'chip', 'aria-pressed': String(!hidden.has(m)), style: {'--c': colourOf(m)},
       onclick: () => {
         const next = new Set(hidden);

@@ -3,19 +3,22 @@ import uPlot from 'uplot';
 import {h} from './dom.js';
 import {brief} from './model.js';
 import {ink} from './theme.js';
+import {valueAt} from './value_at.js';
 
 export const CHANNELS = [
   ['sod', 'Overlap degree', ''],
   ['rate_hz', 'Update rate', 'Hz'],
   ['gyro_deg_s', 'Turn rate', 'deg/s'],
-  ['error_cm', 'Position error', 'cm'],
+  ['error_cm', 'Position error', 'mm'],
   ['matches', 'Matches', ''],
-  ['residual_cm', 'Residual RMS', 'cm'],
+  ['residual_cm', 'Residual RMS', 'mm'],
   ['weakest', 'Weakest direction', '1/m\u00b2'],
   ['iterations', 'Iterations', ''],
   ['cpu_ms', 'CPU per update', 'ms'],
 ];
 const STEPS = new Set(['rate_hz', 'iterations']);
+/** In the file in centimetres; for people as the tables are: mm where all of a chart is below 0.1 m, else m. */
+const LENGTHS = new Set(['error_cm', 'residual_cm']);
 const LOGARITHMIC = new Set(['weakest']);
 /** Peaks of single updates, as of a window that the end cuts short, do not set the scale of these. */
 const PEAKY = new Set(['rate_hz', 'cpu_ms']);
@@ -30,6 +33,14 @@ function bound(lines) {
     return sorted[Math.floor(0.995 * (sorted.length - 1))];
   });
   return [0, 1.25 * Math.max(...tops, 1e-9)];
+}
+
+/** Lines of a chart in the unit that suits them, and that unit. */
+function inUnit(name, unit, lines) {
+  if (!LENGTHS.has(name)) return [lines, unit];
+  const largest = Math.max(...lines.map(({channel}) => channel.v.reduce((most, v) => (v > most ? v : most), 0)));
+  const [scale, chosen] = largest < 10 ? [10, 'mm'] : [0.01, 'm'];
+  return [lines.map((line) => ({...line, channel: {...line.channel, v: line.channel.v.map((v) => scale * v), unit: scale * line.channel.unit}})), chosen];
 }
 
 /** Samples between two breaks, of which no line tells. */
@@ -67,11 +78,12 @@ export class Timeline {
     this.full = range;
     this.range ??= range;
     const present = CHANNELS.filter(([name]) => lines[name]?.length);
-    this.element.replaceChildren(...present.map(([name, title, unit], index) => {
+    this.element.replaceChildren(...present.map(([name, title, usual], index) => {
+      const [drawn, unit] = inUnit(name, usual, lines[name]);
       const readings = h('span', {class: 'readings'});
       const place = h('div', {class: 'plot'});
       const head = h('div', {class: 'plot-head'}, h('strong', null, title), unit && h('span', {class: 'unit'}, ` ${unit}`), readings);
-      queueMicrotask(() => this.plot(place, readings, name, lines[name], index === present.length - 1));
+      queueMicrotask(() => this.plot(place, readings, name, drawn, index === present.length - 1));
       return h('figure', {'aria-label': title}, head, place);
     }));
     if (!present.length) this.element.append(h('p', {class: 'note'}, 'No run of this recording has left a course.'));
@@ -91,7 +103,8 @@ export class Timeline {
     const text = {stroke: ink('muted'), font: '11px system-ui, sans-serif', ticks: {stroke: ink('line'), size: 4}};
     const plot = new uPlot({
       width: this.width(), height: last ? 118 : 92, padding: [6, 10, last ? 0 : 4, 0], legend: {show: false},
-      cursor: {sync: {key: 'aslio'}, drag: {x: true, y: false}, points: {size: 6}, y: false},
+      // Its own dots would sit on samples, at other times than the cursor and than each other.
+      cursor: {sync: {key: 'aslio'}, drag: {x: true, y: false}, points: {show: false}, y: false},
       scales: {x: {time: false, min: this.range[0], max: this.range[1]}, y: {distr: logarithmic ? 3 : 1, ...(PEAKY.has(name) && {range: bound(lines)})}},
       axes: [{...text, grid, show: true, size: last ? 26 : 0, values: last ? (_, v) => v.map((t) => `${brief(t)}${t ? '' : ' s'}`) : () => []},
         {...text, grid: logarithmic ? {...grid, filter: powersOnly} : grid, size: AXIS, space: 24, ...(logarithmic && {filter: powersOnly, ticks: {...text.ticks, filter: powersOnly}}), values: (_, v) => v.map((y) => (y === null ? '' : brief(y)))}],
@@ -107,23 +120,28 @@ export class Timeline {
     plot.over.append(cursor);
     plot.now = cursor;
     plot.lines = lines;
+    plot.at = (line, time) => valueAt(line.channel, time, STEPS.has(name), logarithmic);
+    plot.dots = lines.map((line) => h('i', {class: 'dot', hidden: true, style: {background: line.colour}}));
+    plot.over.append(...plot.dots);
     this.plots.push(plot);
     this.place(plot);
   }
 
-  /** Values under the cursor beside the title. */
+  /** The lines at the cursor: the values beside the title, and a dot on each line, all at one and the same time. */
   read(plot, readings) {
-    const {idx} = plot.cursor;
-    if (idx === null || idx === undefined) {
-      readings.replaceChildren();
-      return;
-    }
-    readings.replaceChildren(h('span', {class: 'unit'}, `${brief(plot.data[0][idx])} s`), ...plot.lines.map((line, i) => {
-      const values = plot.data[i + 1];
-      let at = idx;
-      while (at > 0 && values[at] === undefined) at--;
-      return h('span', {style: {color: line.colour}}, brief(values[at] ?? null));
-    }));
+    const {left} = plot.cursor;
+    if (!plot.dots) return;
+    const inside = left !== null && left !== undefined && left >= 0;
+    const time = inside ? plot.posToVal(left, 'x') : NaN;
+    const values = plot.lines.map((line) => plot.at(line, time));
+    plot.dots.forEach((dot, i) => {
+      dot.hidden = !Number.isFinite(values[i]);
+      if (dot.hidden) return;
+      dot.style.left = `${left}px`;
+      dot.style.top = `${plot.valToPos(values[i], 'y')}px`;
+    });
+    readings.replaceChildren(...(inside ? [h('span', {class: 'unit'}, `${time.toFixed(2)} s`),
+      ...plot.lines.map((line, i) => h('span', {style: {color: line.colour}}, brief(values[i])))] : []));
   }
 
   zoom(plot) {

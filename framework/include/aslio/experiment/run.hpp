@@ -31,7 +31,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> dataset;    ///< the file that named input, sensor or reference; for the manifest
   std::optional<std::filesystem::path> reference;  ///< TUM; fills Summary::evaluation
   std::optional<std::filesystem::path> save_map;   ///< .ply or .pcd
-  bool closed_loop = true;                         ///< else Summary::end_to_end_m would be no error, and is left out
+  bool closed_loop = false;                        ///< else Summary::end_to_end_m would be no error, and is left out
   bool dense = false;                              ///< also trajectory_dense.tum
   bool stop_when_diverged = false;                 ///< by its own word, or from the reference
   std::uint64_t order_seed = 0;                    ///< BuildContext::order_seed

@@ -32,6 +32,7 @@ struct StudyDataConfig {
 /// One entry of `methods`.
 struct StudyMethodConfig {
   std::string name, pipeline;
+  std::string label;                 ///< for people; empty: the name
   std::string baseline;              ///< its own; empty: that of the study
   config::Node set;                  ///< map of dotted paths to values
   std::vector<std::string> differs;  ///< keys and blocks

@@ -39,6 +39,7 @@ struct StudyFolder {
   std::optional<std::size_t> planned;  ///< how many runs the study has
   std::vector<std::string> axes, figures;
   std::vector<std::string> data, sequences, methods;  ///< in the order of the runs
+  std::vector<std::string> labels;                    ///< of the methods, for people; the name where there is none
   std::vector<std::string> metrics;                   ///< that the study asks for, as far as there are figures
   /// By method: the one to compare it with.
   std::vector<std::optional<std::size_t>> baseline;

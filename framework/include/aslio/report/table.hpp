@@ -76,8 +76,12 @@ std::string number(const Metric& metric, double value);
 
 /// Every table of the study's metrics, comparisons, failures, and what the marks mean.
 std::string to_markdown(const StudyFolder& study);
-/// The same as LaTeX with booktabs: the best bold, the second underlined.
-std::string to_latex(const StudyFolder& study);
+/// What stands in the rows of a table in LaTeX. automatic: methods where there are more of them than sequences.
+enum class LatexRows : unsigned char { automatic, sequences, methods };
+
+/// The same as LaTeX with booktabs: the best bold, the second underlined. Each table has a \label and a width that
+/// fits a paper of two columns: one column, both (table*), or parts below each other.
+std::string to_latex(const StudyFolder& study, LatexRows rows = LatexRows::automatic);
 /// Long form: a line per run and figure. Text that a spreadsheet would take for a formula is preceded by '.
 std::string to_csv(const StudyFolder& study);
 
