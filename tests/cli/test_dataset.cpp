@@ -56,7 +56,7 @@ TEST_CASE("between the ends of what is no closed loop there is no error") {
   write_dataset(bench, "");
   REQUIRE(run_dataset(bench, "data").code == 0);
   CHECK(json(bench / "out/summary.json").at("metrics").at("end_to_end_m").is_null());
-  const Outcome said = run_dataset(bench, "data", {"--closed-loop"});
+  const Ended said = run_dataset(bench, "data", {"--closed-loop"});
   REQUIRE(said.code == 0);
   CHECK(json(bench / "out/summary.json").at("metrics").at("end_to_end_m").is_number());
 }

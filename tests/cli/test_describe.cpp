@@ -14,6 +14,12 @@ TEST_CASE("describe gives every parameter with its default, unit and meaning") {
   CHECK_THAT(wrong.err, Contains("fixd") && Contains("fixed"));
 }
 
+TEST_CASE("describe lists the types of a family") {
+  const Ended ended = run_aslio({"describe", "windows"});
+  CHECK(ended.code == 0);
+  CHECK_THAT(ended.out, Contains("\n  sod_adaptive ") && Contains("aslio describe windows/TYPE"));
+}
+
 TEST_CASE("describe explains the keys of files") {
   const Ended pipeline = run_aslio({"describe", "pipeline"});
   CHECK(pipeline.code == 0);

@@ -120,6 +120,34 @@ TEST_CASE("an unknown command is named, with the nearest") {
   CHECK_THAT(far.err, Contains("unknown command 'frobnicate'; there are: run"));
 }
 
+TEST_CASE("an unknown option is named, with the nearest, before what is missing") {
+  const Ended near = run_aslio({"run", ASLIO_SOURCE_DIR "/configs/pipelines/as_lio.yaml", "--ouput", "out"});
+  CHECK(near.code == 2);
+  CHECK_THAT(near.err, Contains("unknown option '--ouput' (did you mean '--output'?)") && Contains("aslio run --help"));
+  CHECK_THAT(run_aslio({"report", ".", "--frobnicate"}).err, Contains("unknown option '--frobnicate';"));
+}
+
+TEST_CASE("a pipeline that does not exist is answered by those that do") {
+  const Ended ended = run_aslio({"run", "as_lio"});
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("as_lio: no such file (did you mean ") &&
+                            Contains("configs/pipelines/as_lio.yaml?)") && Contains("as_lio_plus_fast, "));
+  CHECK_THAT(run_aslio({"run", "frobnicate.yaml"}).err, Contains("frobnicate.yaml: no such file; pipelines in "));
+}
+
+TEST_CASE("a trajectory.tum that is not of a run is not replaced") {
+  const Bench bench;
+  std::filesystem::create_directories(bench / "out");
+  write_text(bench / "out/trajectory.tum", "0 0 0 0 0 0 0 1\n");
+  const Ended ended = bench.run("out");
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("trajectory.tum is not from a run of this program"));
+  CHECK(content(bench / "out/trajectory.tum") == "0 0 0 0 0 0 0 1\n");
+  std::filesystem::remove(bench / "out/trajectory.tum");
+  REQUIRE(bench.run("out").code == 0);
+  CHECK(bench.run("out").code == 0);  // one of its own is
+}
+
 TEST_CASE("an empty argument is refused, and told where it stands") {
   const Ended path = run_aslio({"report", ""});
   CHECK(path.code == 2);

@@ -219,6 +219,29 @@ TEST_CASE("The resolved text states every key and reads back to itself") {
   CHECK(twice.value.window.make(context)->tick() == once.value.window.make(context)->tick());
 }
 
+TEST_CASE("A tab that indents is called a tab, at its place") {
+  for (const auto& [text, place] : std::vector<std::pair<std::string, std::string>>{
+           {"schema: aslio/pipeline/1\nwindow:\n\ttype: quartz\n", "a.yaml:3:1"},
+           {"schema: aslio/pipeline/1\nwindow:\n  \ttype: quartz\n", "a.yaml:3:3"}}) {
+    CHECK_THROWS_WITH(parse_document(text, "a.yaml"), place + ": a tab indents this line: YAML takes spaces only");
+  }
+  CHECK_NOTHROW(parse_document("a: \"b\tc\"\n", "a.yaml"));
+}
+
+TEST_CASE("A file of an old name stands for the one that it names") {
+  const std::filesystem::path folder = std::filesystem::path(ASLIO_BINARY_DIR) / "config_alias";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "new.yaml") << "schema: aslio/pipeline/1\nwindow: quartz\n";
+  std::ofstream(folder / "old.yaml") << "schema: aslio/pipeline/1\nalias: new.yaml\n";
+  std::ofstream(folder / "older.yaml") << "schema: aslio/pipeline/1\nalias: old.yaml\n";
+  std::ofstream(folder / "lost.yaml") << "schema: aslio/pipeline/1\nalias: gone.yaml\n";
+  CHECK(follow_alias(folder / "new.yaml") == folder / "new.yaml");
+  CHECK(follow_alias(folder / "old.yaml") == folder / "new.yaml");
+  CHECK_THROWS_WITH(follow_alias(folder / "older.yaml"), Catch::Matchers::Contains("is an alias itself"));
+  CHECK_THROWS_WITH(follow_alias(folder / "lost.yaml"), Catch::Matchers::Contains("gone.yaml"));
+  std::filesystem::remove_all(folder);
+}
+
 TEST_CASE("Mutated files are read or refused, never worse") {
   const std::string valid =
       "schema: aslio/pipeline/1\nwindow:\n  type: pendulum\n  period: 0.1\n  taps: [map, match]\n  spring: {type: "

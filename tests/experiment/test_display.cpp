@@ -17,7 +17,8 @@ TEST_CASE("the display of a study has its count, the time left, the failures and
   progress.left_s = 3725;
   progress.active = {{"q_1/as_lio_plus", 61}, {"q_1/fixed", 3600}};
   CHECK(display_text(progress, 79) ==
-        "[============>           ] 4/8 runs   1:02:05 left   1 failed\n     1:01  q_1/as_lio_plus\n  1:00:00  q_1/fixed");
+        "[============>           ] 4/8 runs   1:02:05 left   1 failed\n     1:01  q_1/as_lio_plus\n  1:00:00  "
+        "q_1/fixed");
   CHECK(display_text(progress, 12) == "[===========\n     1:01  q\n  1:00:00  q");
   progress.active.assign(20, {"q_1/as_lio_plus", 1});
   CHECK(display_text(progress, 79).ends_with("q_1/as_lio_plus\n           and 8 more"));

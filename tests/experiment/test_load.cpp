@@ -99,11 +99,11 @@ TEST_CASE("the seed stands for its placeholder in what a scene sets, and each re
 
 TEST_CASE("axes make a grid over all methods, the last axis fastest") {
   const StudyFiles files;
-  const Study study =
-      files.load(head() + kData + "methods:\n" + method("fixed", "fixed_window") + method("as_lio_plus", "as_lio_plus") +
-                 "vary:\n  - {path: overlap.voxel, values: [0.1, 0.2]}\n"
-                 "  - {path: estimator.noise, values: [fastlio, physical]}\n"
-                 "baseline: fixed\ndiffers: [window, history]\n");
+  const Study study = files.load(head() + kData + "methods:\n" + method("fixed", "fixed_window") +
+                                 method("as_lio_plus", "as_lio_plus") +
+                                 "vary:\n  - {path: overlap.voxel, values: [0.1, 0.2]}\n"
+                                 "  - {path: estimator.noise, values: [fastlio, physical]}\n"
+                                 "baseline: fixed\ndiffers: [window, history]\n");
   CHECK(names(study.methods) ==
         std::vector<std::string>{"fixed_voxel_0.1_noise_fastlio", "fixed_voxel_0.1_noise_physical",
                                  "fixed_voxel_0.2_noise_fastlio", "fixed_voxel_0.2_noise_physical",
@@ -115,6 +115,29 @@ TEST_CASE("axes make a grid over all methods, the last axis fastest") {
   // Each variant against the baseline at the same values.
   CHECK(study.baseline[6] == std::size_t{2});
   CHECK_FALSE(study.baseline[2].has_value());
+}
+
+TEST_CASE("an axis may belong to some methods only; the others stand still") {
+  const StudyFiles files;
+  const std::string text = head() + kData + "methods:\n" + method("fixed", "fixed_window") +
+                           method("as_lio_plus", "as_lio_plus") +
+                           "baseline: fixed\ndiffers: [window, history]\nvary:\n";
+  const Study study = files.load(text + "  - {path: overlap.voxel, values: [0.1, 0.2], methods: [as_lio_plus]}\n");
+  CHECK(names(study.methods) == std::vector<std::string>{"fixed", "as_lio_plus_voxel_0.1", "as_lio_plus_voxel_0.2"});
+  CHECK(study.methods[0].axes == std::vector<std::string>{"-"});
+  CHECK(study.baseline[2] == std::size_t{0});
+  CHECK_THAT(files.complaint(text + "  - {path: overlap.voxel, values: [0.1], methods: [as_lio_plsu]}\n"),
+             Contains("'as_lio_plsu' is no method of the study"));
+}
+
+TEST_CASE("differs takes globs") {
+  const StudyFiles files;
+  const std::string text = head() + kData + "methods:\n" + method("fixed", "fixed_window") +
+                           method("as_lio_plus", "as_lio_plus") + "baseline: fixed\ndiffers: ";
+  CHECK_NOTHROW(files.load(text + "['win*', hist?ry]\n"));
+  CHECK_THAT(files.complaint(text + "['win*']\n"), Contains("differs from the baseline") && Contains("history"));
+  CHECK_THAT(files.complaint(text + "['win*', 'hist*', '*.frobnicate']\n"),
+             Contains("'differs' names '*.frobnicate', which no pipeline of the study has"));
 }
 
 TEST_CASE("what is wrong in a study is told with its place and a remedy") {
@@ -137,7 +160,8 @@ TEST_CASE("what is wrong in a study is told with its place and a remedy") {
       {head() + "datasets: [{scene: scene_a.yaml}, {scene: scene_a.yaml}]\n" + one,
        {"study.yaml:5:35", "both make the data 'scene_a_1'", "another name"}},
       {head() + "datasets: [{scene: scene_a.yaml, name: ../x}]\n" + one, {"study.yaml:5:40", "'../x_1' is no name"}},
-      {head() + kData + one + method("fixed", "as_lio_plus"), {"study.yaml:8:12", "'fixed' is the name of two methods"}},
+      {head() + kData + one + method("fixed", "as_lio_plus"),
+       {"study.yaml:8:12", "'fixed' is the name of two methods"}},
       {head() + kData + "methods:\n" + method("a b", "as_lio_plus"), {"study.yaml:7:12", "'a b' is no name"}},
       {head() + kData + "methods: [{name: a, pipeline: gone.yaml}]\n",
        {"study.yaml:6:31", "gone.yaml: cannot be opened"}},
@@ -235,8 +259,8 @@ TEST_CASE("stages that do not fit each other, or a schedule that is not there, a
 
 TEST_CASE("an error of several lines in a file that is named stays one line each") {
   const StudyFiles files;
-  const std::string complaint =
-      files.complaint(head() + kData + "methods:\n" + method("a", "as_lio_plus", "set: {window.perod: 1, map.voxl: 2}"));
+  const std::string complaint = files.complaint(head() + kData + "methods:\n" +
+                                                method("a", "as_lio_plus", "set: {window.perod: 1, map.voxl: 2}"));
   INFO(complaint);
   CHECK_THAT(complaint, Contains("voxl") && Contains("perod") && !Contains("\\x0a"));
   CHECK(std::count(complaint.begin(), complaint.end(), '\n') == 1);
@@ -253,8 +277,9 @@ TEST_CASE("a placeholder names a method that stands before it") {
   // With axes, the run at the same values is meant.
   const Study varied = files.load(good + "vary: [{path: overlap.voxel, values: [0.1, 0.2]}]\n");
   CHECK(varied.methods[3].uses[0].second == 1);
-  CHECK_THAT(files.complaint(head() + kData + "methods:\n" + replay + method("as_lio_plus", "as_lio_plus")),
-             Contains("study.yaml:7:") && Contains("{run:as_lio_plus}: no method of that name stands before 'shifted'"));
+  CHECK_THAT(
+      files.complaint(head() + kData + "methods:\n" + replay + method("as_lio_plus", "as_lio_plus")),
+      Contains("study.yaml:7:") && Contains("{run:as_lio_plus}: no method of that name stands before 'shifted'"));
 }
 
 TEST_CASE("an axis is a path with values, paths in step, or a list of named points") {
@@ -296,8 +321,9 @@ TEST_CASE("a comparison may differ in what the study names, and in nothing else"
     CHECK((complaint.find("window") == std::string::npos) == (*stated != '\0'));
   }
   // A key inside a block does not name the other type of the block; the block and its type do.
-  CHECK_THAT(files.complaint(fixed + method("other", "as_lio_plus", "set: {window.seg_step: 0.05}, differs: [history]")),
-             Contains("or say so: differs: [window]"));
+  CHECK_THAT(
+      files.complaint(fixed + method("other", "as_lio_plus", "set: {window.seg_step: 0.05}, differs: [history]")),
+      Contains("or say so: differs: [window]"));
   CHECK_THAT(files.complaint(fixed + method("other", "as_lio_plus", "differs: [window.seg_step, history.type]")),
              Contains("or say so: differs: [window]"));
   CHECK(files.complaint(fixed + method("other", "as_lio_plus", "differs: [window.type, history.type]")).empty());
@@ -318,14 +344,17 @@ TEST_CASE("differs names keys and blocks that there are") {
                         Contains("study.yaml:10:27: 'differs' names 'bogus.key'") && Contains("give a key or a block"));
   // What it was meant to excuse is told with it.
   CHECK_THAT(study, Contains("or say so: differs: [history]"));
-  const std::string one = files.complaint(fixed + method("other", "as_lio_plus", "differs: [window, history, map.voxl]"));
+  const std::string one =
+      files.complaint(fixed + method("other", "as_lio_plus", "differs: [window, history, map.voxl]"));
   INFO(one);
   CHECK_THAT(one, Contains("study.yaml:9:") && Contains("'map.voxl'") && Contains("(did you mean 'map.voxel'?)"));
   // Keys of either pipeline, elements of lists and what is in them.
   for (const char* there :
        {"window.seg_step", "window.period", "samplers", "samplers.1", "samplers.1.leaf", "map.type"}) {
-    CHECK(files.complaint(fixed + method("other", "as_lio_plus", std::string("differs: [window, history, ") + there + "]"))
-              .empty());
+    CHECK(
+        files
+            .complaint(fixed + method("other", "as_lio_plus", std::string("differs: [window, history, ") + there + "]"))
+            .empty());
   }
   CHECK_THAT(files.complaint(fixed + method("other", "as_lio_plus", "differs: [window, history, samplers.9]")),
              Contains("'samplers.9'"));

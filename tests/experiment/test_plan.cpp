@@ -15,7 +15,8 @@ namespace {
 std::string plan_text() {
   return head() + "datasets: [{scene: scene_a.yaml, seeds: 1-2}]\nmethods:\n" + method("as_lio_plus", "as_lio_plus") +
          method("fixed", "fixed_window") +
-         method("shifted", "as_lio_plus", "set: {window: {type: replay, file: '{run:as_lio_plus}/updates.csv', shift: 5}}") +
+         method("shifted", "as_lio_plus",
+                "set: {window: {type: replay, file: '{run:as_lio_plus}/updates.csv', shift: 5}}") +
          "order_seeds: [0, 7]\n";
 }
 
@@ -36,11 +37,12 @@ TEST_CASE("runs come by data, order seed and method, and know the runs they use"
   const Study study = files.load(plan_text());
   const auto runs = plan_runs(study, "program");
   REQUIRE(runs.size() == 12);
-  CHECK(selection(study, "") ==
-        std::vector<std::string>{"scene_a_1/as_lio_plus", "scene_a_1/fixed", "scene_a_1/shifted", "scene_a_1/as_lio_plus_order_7",
-                                 "scene_a_1/fixed_order_7", "scene_a_1/shifted_order_7", "scene_a_2/as_lio_plus",
-                                 "scene_a_2/fixed", "scene_a_2/shifted", "scene_a_2/as_lio_plus_order_7",
-                                 "scene_a_2/fixed_order_7", "scene_a_2/shifted_order_7"});
+  CHECK(selection(study, "") == std::vector<std::string>{"scene_a_1/as_lio_plus", "scene_a_1/fixed",
+                                                         "scene_a_1/shifted", "scene_a_1/as_lio_plus_order_7",
+                                                         "scene_a_1/fixed_order_7", "scene_a_1/shifted_order_7",
+                                                         "scene_a_2/as_lio_plus", "scene_a_2/fixed",
+                                                         "scene_a_2/shifted", "scene_a_2/as_lio_plus_order_7",
+                                                         "scene_a_2/fixed_order_7", "scene_a_2/shifted_order_7"});
   CHECK(runs[11].uses == std::vector<std::size_t>{9});
   CHECK(overrides_of(study, runs, runs[11], "/out put/ru\"ns") ==
         std::vector<std::string>{
@@ -50,8 +52,9 @@ TEST_CASE("runs come by data, order seed and method, and know the runs they use"
 
 TEST_CASE("the folder of the kept truth stands for its placeholder in every value") {
   const StudyFiles files;
-  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" +
-                                 method("oracle", "as_lio_plus", "set: {window: {type: replay, file: '{data}/a.csv'}}"));
+  const Study study =
+      files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" +
+                 method("oracle", "as_lio_plus", "set: {window: {type: replay, file: '{data}/a.csv'}}"));
   const auto runs = plan_runs(study, "program");
   CHECK(overrides_of(study, runs, runs[0], "/out put/runs") ==
         std::vector<std::string>{"window={type: replay, file: \"/out put/data/scene_a_2/a.csv\"}"});
@@ -120,9 +123,9 @@ TEST_CASE("the key of a run changes with what the run depends on, and with nothi
 TEST_CASE("the key of a run goes with the content of the schedule that it replays") {
   const StudyFiles files;
   const auto keys = [&](const std::string& file) {
-    const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" +
-                                   method("fixed", "fixed_window") +
-                                   method("replayed", "as_lio_plus", "set: {window: {type: replay, file: '" + file + "'}}"));
+    const Study study = files.load(
+        head() + "datasets: [{scene: scene_a.yaml, seeds: 2}]\nmethods:\n" + method("fixed", "fixed_window") +
+        method("replayed", "as_lio_plus", "set: {window: {type: replay, file: '" + file + "'}}"));
     std::vector<std::string> out;
     for (const StudyRun& run : plan_runs(study, "program", files.folder / "out/runs")) out.push_back(run.key);
     return out;

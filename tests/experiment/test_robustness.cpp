@@ -328,8 +328,9 @@ TEST_CASE("a finished run that is not selected keeps its row when the file that 
 TEST_CASE("a run that failed without the file that another reads is not made again for it") {
   const StudyFiles files;
   const std::string replay = "set: {window: {type: replay, file: '{run:segv}/updates.csv'}}";
-  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("segv", "as_lio_plus") +
-                                 method("shifted", "as_lio_plus", replay) + "metrics: [ate_m]\n");
+  const Study study =
+      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("segv", "as_lio_plus") +
+                 method("shifted", "as_lio_plus", replay) + "metrics: [ate_m]\n");
   Quiet monitor;
   CHECK(run_study(study, options(files.folder / "out"), monitor).failures() == 2);
   monitor.lines.clear();

@@ -87,6 +87,23 @@ TEST_CASE("the status of a study tells what is finished, what runs and what wait
   CHECK(after.total.waiting == 10);
 }
 
+TEST_CASE("a folder holds one study, and says so when it was made at another scale") {
+  const StudyFiles files;
+  const Study study = files.load(study_text({"one"}));
+  const fs::path output = files.folder / "out";
+  fs::create_directories(output);
+  CHECK_FALSE(require_same_study(study, output));
+  write_plan(study, plan_runs(study, "program"), 1, output);
+  CHECK_FALSE(require_same_study(study, output));
+  Study scaled = study;
+  for (StudyData& data : scaled.data) data.scale = 0.25;
+  REQUIRE(require_same_study(scaled, output));
+  CHECK_THAT(*require_same_study(scaled, output), Contains("--scale 1") && Contains("this call has 0.25"));
+  Study other = study;
+  other.name = "another";
+  CHECK_THROWS_WITH(require_same_study(other, output), Contains("would be mixed with it: name another folder"));
+}
+
 TEST_CASE("a call over one recording is seen at work, and one of yesterday's plans is no plan of today") {
   const StudyFiles files;
   const Study study = files.load(study_text({"one", "hang"}));

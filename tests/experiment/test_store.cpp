@@ -74,8 +74,9 @@ const char* const kSimulated = "scene_a_1: simulated";
 TEST_CASE("a trajectory without a pose is an empty file, and not made again for that") {
   const StudyFiles files;
   const std::string replay = "set: {window: {type: replay, file: '{run:first}/trajectory.tum'}}";
-  const Study study = files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio_plus") +
-                                 method("second", "as_lio_plus", replay) + "metrics: [ate_m]\n");
+  const Study study =
+      files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("first", "as_lio_plus") +
+                 method("second", "as_lio_plus", replay) + "metrics: [ate_m]\n");
   const fs::path output = files.folder / "out", trajectory = output / "runs/scene_a_1/first/trajectory.tum";
   StudyOptions how;
   how.output = output;

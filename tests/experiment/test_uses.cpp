@@ -13,9 +13,10 @@ namespace {
 
 /// `patient` takes a second.
 Study with_limit(const StudyFiles& files, const std::string& seconds) {
-  return files.load(head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("patient", "as_lio_plus") +
-                    method("shifted", "as_lio_plus", "set: {window: {type: replay, file: '{run:patient}/updates.csv'}}") +
-                    "metrics: [ate_m]\ntime_limit: " + seconds + "\n");
+  return files.load(
+      head() + "datasets: [{scene: scene_a.yaml}]\nmethods:\n" + method("patient", "as_lio_plus") +
+      method("shifted", "as_lio_plus", "set: {window: {type: replay, file: '{run:patient}/updates.csv'}}") +
+      "metrics: [ate_m]\ntime_limit: " + seconds + "\n");
 }
 
 StudyRow ended(const std::string& status, double limit = 0) {

@@ -47,7 +47,7 @@ void write_bag(const std::filesystem::path& bag, const Measurements& data, const
 std::string sensor_text(const SensorModel& sensor, const std::vector<std::string>& lines = {});
 
 struct How {
-  std::string pipeline = "as_lio_plus";             ///< of configs/pipelines, or a path
+  std::string pipeline = "as_lio_plus";        ///< of configs/pipelines, or a path
   std::vector<std::string> set = {};           ///< overrides of the pipeline
   std::vector<std::string> sensor_lines = {};  ///< of the sensor file
   std::vector<std::string> options = {};       ///< further arguments

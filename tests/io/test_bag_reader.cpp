@@ -124,6 +124,10 @@ TEST_CASE("other files are named for what they are") {
   CHECK(contains(refusal("#ROSBAG V1.2\n"), "rosbag fix"));
   CHECK(contains(refusal("SQLite format 3"), "rosbags-convert"));
   CHECK(contains(refusal("\x89MCAP0\r\n"), "MCAP"));
+  CHECK(contains(refusal("\xFD"
+                         "7zXZ and more"),
+                 "unpack it first: `xz -dk FILE`"));
+  CHECK(contains(refusal("\x1F\x8B and more"), "`gunzip -k FILE`"));
   CHECK(contains(refusal("hello, this is text"), "not a ROS1 bag"));
   CHECK(contains(data_error([&] { BagReader{folder / "absent.bag"}; }), "absent.bag"));
   CHECK(contains(data_error([&] { BagReader{folder.path()}; }), "not a regular file"));

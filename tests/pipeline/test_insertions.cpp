@@ -87,7 +87,8 @@ TEST_CASE("where windows do not overlap on_exit and whole_window make the run of
 }
 
 TEST_CASE("whole_window keeps the points of overlapping windows several times, unless the map refuses them") {
-  const Outcome once = play("as_lio_plus", {"insertion=on_new"}), again = play("as_lio_plus", {"insertion=whole_window"});
+  const Outcome once = play("as_lio_plus", {"insertion=on_new"}),
+                again = play("as_lio_plus", {"insertion=whole_window"});
   CHECK(again.map.size() == again.offered.in_windows);
   CHECK(again.map.size() > once.map.size() + 1000);
   const Outcome spaced = play("as_lio_plus", {"insertion=whole_window", "map.min_spacing=0.15"});

@@ -1,12 +1,10 @@
 // Whether the corrections repeat the turn: eq. MON-7.
-#include "aslio/pipeline/mount_check.hpp"
-
 #include <catch2/catch.hpp>
-
 #include <cmath>
 #include <random>
 
 #include "aslio/core/lie.hpp"
+#include "aslio/pipeline/mount_check.hpp"
 
 using namespace aslio;
 using aslio::pipeline::MountCheck;

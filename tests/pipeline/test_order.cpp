@@ -220,8 +220,9 @@ TEST_CASE(
   const auto most = [&](const std::string& points) {
     Scored scored;
     const plugin::Catalog catalog = spied(built_in_stages(), scored);
-    Run run(shipped("as_lio_plus", {"window.lookahead=true", "window.seg_step=0.9", "overlap.points=" + points}, catalog),
-            world.sensor());
+    Run run(
+        shipped("as_lio_plus", {"window.lookahead=true", "window.seg_step=0.9", "overlap.points=" + points}, catalog),
+        world.sensor());
     run.play(recording);
     return scored.most_ahead;
   };

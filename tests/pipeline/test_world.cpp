@@ -48,8 +48,8 @@ double worst_vertical(const Run& run, const simulator::AnalyticWorld& world) {
 
 TEST_CASE("both pipelines follow the walk, at 10 Hz at rest, the adaptive one faster in sharp turns") {
   const World w({.seed = 2});
-  // Measured on seeds 1 to 6: as_lio_plus 0.007 to 0.029 m, 0.17 to 0.45 deg, 2 to 4 mm at the end; fixed_window 0.004 to
-  // 0.028 m, 0.14 to 0.46 deg, 2 to 6 mm. The bounds are 1.4 times the worst of both.
+  // Measured on seeds 1 to 6: as_lio_plus 0.007 to 0.029 m, 0.17 to 0.45 deg, 2 to 4 mm at the end; fixed_window 0.004
+  // to 0.028 m, 0.14 to 0.46 deg, 2 to 6 mm. The bounds are 1.4 times the worst of both.
   for (const std::string name : {"as_lio_plus", "fixed_window"}) {
     Run run(shipped(name), w.world.sensor());
     run.play(w.recording);

@@ -60,8 +60,8 @@ std::vector<UpdateCost> read_costs(const fs::path& csv) {
 }
 
 RecordedRun run(const std::string& pipeline, int threads, const fs::path& input, const char* sensor,
-                const fs::path& reference, const std::vector<std::string>& overrides = {},
-                std::uint64_t order_seed = 0, double start_s = 0) {
+                const fs::path& reference, const std::vector<std::string>& overrides = {}, std::uint64_t order_seed = 0,
+                double start_s = 0) {
   const fs::path configs = fs::path(ASLIO_SOURCE_DIR) / "configs";
   // Tests of one folder may run at once.
   const fs::path output =

@@ -123,7 +123,8 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
 
 /// To be said for version 0.2.0 alone.
 constexpr const char* kNewMeaning =
-    "as_lio is the method of the paper. Before version 0.2.0 this name meant our own pipeline, which is now as_lio_plus.";
+    "as_lio is the method of the paper. Before version 0.2.0 this name meant our own pipeline, which is now "
+    "as_lio_plus.";
 
 int run_pipeline(const RunArguments& a, const CLI::App& app, const std::vector<std::string>& command_line) {
   catch_interrupts();

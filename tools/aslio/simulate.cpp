@@ -130,7 +130,8 @@ std::string recording_report(const simulator::RecordResult& r, const SimulateArg
   }
   fmt::format_to(out, "bag          {}.bag, {:.1f} MB, SHA-256 {}\n", name, megabytes, r.bag_sha256);
   fmt::format_to(out, "output       {}: {}\n", a.output, fmt::join(kFiles, ", "));
-  fmt::format_to(out, "run it       aslio run configs/pipelines/as_lio_plus.yaml --dataset {} --output OUT\n", a.output);
+  fmt::format_to(out, "run it       aslio run configs/pipelines/as_lio_plus.yaml --dataset {} --output OUT\n",
+                 a.output);
   return text;
 }
 

@@ -104,7 +104,8 @@ std::filesystem::path follow_alias(const std::filesystem::path& path) {
   if (alias.empty()) return path;
   const std::filesystem::path target = path.parent_path() / alias;
   if (!alias_in(target).empty()) {
-    throw ConfigError(path.string() + ": alias " + quote(alias) + " is an alias itself: name the file that it stands for");
+    throw ConfigError(path.string() + ": alias " + quote(alias) +
+                      " is an alias itself: name the file that it stands for");
   }
   return target;
 }

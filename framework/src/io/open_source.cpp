@@ -1,9 +1,5 @@
 #include <fmt/format.h>
 
-#include <array>
-#include <string_view>
-#include <utility>
-
 #include "aslio/core/errors.hpp"
 #include "aslio/io/source.hpp"
 #include "bag_source.hpp"
@@ -11,24 +7,6 @@
 #include "kitti_source.hpp"
 
 namespace aslio::io {
-
-namespace {
-
-/// The command that unpacks a file of this extension; empty: it is not packed.
-std::string_view unpacked_by(std::string_view extension) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kPacked = {{{".xz", "xz -dk"},
-                                                                                     {".gz", "gunzip -k"},
-                                                                                     {".bz2", "bunzip2 -k"},
-                                                                                     {".zst", "zstd -dk"},
-                                                                                     {".zip", "unzip"},
-                                                                                     {".7z", "7z x"}}};
-  for (const auto& [packed, command] : kPacked) {
-    if (extension == packed) return command;
-  }
-  return {};
-}
-
-}  // namespace
 
 std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
                                                const Section& section) {
@@ -48,10 +26,6 @@ std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path
                       path.string()));
     }
     return open_kitti(*drive, sensor, section);
-  }
-  if (const std::string_view unpack = unpacked_by(path.extension().string()); !unpack.empty()) {
-    throw DataError(fmt::format("{}: the file is compressed as a whole: unpack it first (`{} {}`)", path.string(),
-                                unpack, path.string()));
   }
   return open_bag(path, sensor, section);
 }

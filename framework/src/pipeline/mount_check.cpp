@@ -1,7 +1,6 @@
 #include "aslio/pipeline/mount_check.hpp"
 
 #include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 

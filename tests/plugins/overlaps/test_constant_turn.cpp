@@ -85,7 +85,8 @@ TEST_CASE("a turn at a constant rate asks for the same number of segments whatev
   REQUIRE(most - fewest <= 1);
 }
 
-TEST_CASE("at the settings of as_lio_plus the mean score of a slow turn is the same whatever the shift, slices scatter") {
+TEST_CASE(
+    "at the settings of as_lio_plus the mean score of a slow turn is the same whatever the shift, slices scatter") {
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   test::BuildEnvironment environment;

@@ -36,8 +36,8 @@ struct Loaded {
 };
 
 /// The file that `path` stands for. A file with nothing but `schema` and `alias: other.yaml` is an old name of that
-/// file, beside it; all others stand for themselves. Throws ConfigError where a file is missing, or where the alias of an
-/// alias is asked for.
+/// file, beside it; all others stand for themselves. Throws ConfigError where a file is missing, or where the alias of
+/// an alias is asked for.
 std::filesystem::path follow_alias(const std::filesystem::path& path);
 
 /// What the file says it is. Throws ConfigError as load() does for a file without a known schema.

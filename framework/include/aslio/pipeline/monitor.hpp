@@ -27,7 +27,7 @@ struct MonitorSignals {
   double velocity_pull_rise = 0, turn_pull_rise = 0;  ///< these over their own level, as factors
   double misfit = 0;                                  ///< sum of the rises that say that the points fit no longer
   double gyro_mismatch = 0;                           ///< share of the measured turn that the points contradict
-  double mount = 0;  ///< MountCheck::contradiction() (MON-7)
+  double mount = 0;                                   ///< MountCheck::contradiction() (MON-7)
   double view_change = 0;  ///< mean |ln range ratio| of the last sweep (at least 0.1 s) to the one before
   double view_jump = 0;    ///< that over the largest of the four before, a factor
   /// Share of what was seen that is not where the run's own motion puts it (MON-6); NaN where no slot ended.

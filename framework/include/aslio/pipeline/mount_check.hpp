@@ -6,12 +6,13 @@
 namespace aslio::pipeline {
 
 /// Regression of the corrections of the attitude on the measured turn, axis by axis (docs/equations.md MON-7). A
-/// rotation of the LiDAR that is wrong contradicts the gyro about the axes that it moves, also where most of the turn is
-/// about another one. A lever arm that is wrong makes the points contradict a little of every turn, without end.
-/// No allocation. Not thread-safe.
+/// rotation of the LiDAR that is wrong contradicts the gyro about the axes that it moves, also where most of the turn
+/// is about another one. A lever arm that is wrong makes the points contradict a little of every turn, without end. No
+/// allocation. Not thread-safe.
 class MountCheck {
  public:
-  /// `correction` of the attitude, prior to posterior, and the turn that the gyro `measured`, in I [rad]; over `dt` [s].
+  /// `correction` of the attitude, prior to posterior, and the turn that the gyro `measured`, in I [rad]; over `dt`
+  /// [s].
   void add(const Vec3& correction, const Vec3& measured, double dt);
   /// What comes next does not count with what came last; what was learnt stays.
   void interrupt();
@@ -27,10 +28,10 @@ class MountCheck {
   void close();
   void judge();
 
-  Mat3 power_ = Mat3::Zero();            ///< sum of w w^T [rad^2/s^2]
-  Mat3 product_ = Mat3::Zero();          ///< sum of y w^T
-  double square_ = 0;                    ///< sum of |y|^2
-  double rows_ = 0;                      ///< number of rows, with what is forgotten taken off
+  Mat3 power_ = Mat3::Zero();    ///< sum of w w^T [rad^2/s^2]
+  Mat3 product_ = Mat3::Zero();  ///< sum of y w^T
+  double square_ = 0;            ///< sum of |y|^2
+  double rows_ = 0;              ///< number of rows, with what is forgotten taken off
   Vec3 correction_ = Vec3::Zero(), measured_ = Vec3::Zero();
   double time_ = 0;  ///< of the row that is being filled [s]
   double contradiction_ = 0, share_ = 0;

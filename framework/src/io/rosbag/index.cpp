@@ -20,6 +20,14 @@ std::string foreign_format(ByteView& view) {
   if (start.starts_with("#ROSBAG V1")) return "a bag of format 1; convert it with `rosbag fix`";
   if (start.starts_with("SQLite format 3")) return "a ROS2 bag (sqlite3); convert it with `rosbags-convert`";
   if (start.starts_with("\x89MCAP")) return "an MCAP file; convert it with `rosbags-convert`";
+  using Packed = std::pair<std::string_view, std::string_view>;  // first bytes, and the command that unpacks
+  for (const auto& [magic, command] : {Packed("\xFD"
+                                              "7zXZ",
+                                              "xz -dk"),
+                                       Packed("\x1F\x8B", "gunzip -k"), Packed("BZh", "bunzip2 -k"),
+                                       Packed("\x28\xB5\x2F\xFD", "zstd -dk"), Packed("PK\x03\x04", "unzip")}) {
+    if (start.starts_with(magic)) return fmt::format("compressed as a whole; unpack it first: `{} FILE`", command);
+  }
   if (kMagic.starts_with(start)) return "a bag that ends inside its first line";
   return "not a ROS1 bag (it does not start with '#ROSBAG V2.0')";
 }
