@@ -142,7 +142,7 @@ TEST_CASE("a schedule that has changed is replayed again, and large outputs stay
   for (std::size_t k = 0; k < 8; ++k) cut = updates.find('\n', cut) + 1;
   write_text(bench.folder / "out/data/q_1/mine.csv", updates.substr(0, cut));
   CHECK_THAT(bench.run({"--dry-run"}).out, Contains("1 runs to do, 1 finished"));
-  CHECK_THAT(bench.run().err, Contains("[1/1] q_1/replayed: ok"));
+  CHECK_THAT(bench.run().err, Contains("[2/2] q_1/replayed: ok"));
 }
 
 TEST_CASE("options of the command that are wrong are told") {
