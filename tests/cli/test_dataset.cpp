@@ -33,7 +33,9 @@ TEST_CASE("a dataset stands for input, sensor, reference and section") {
   const Bench bench;
   write_truth(bench / "truth.tum");
   write_dataset(bench, "reference: ../truth.tum\nstart: 0.25\nduration: 1.25\nclosed_loop: true\n");
-  REQUIRE(bench.run("plain", {"--reference", bench / "truth.tum", "--start", "0.25", "--duration", "1.25"}).code == 0);
+  const std::string truth = bench / "truth.tum";
+  REQUIRE(bench.run("plain", {"--reference", truth, "--start", "0.25", "--duration", "1.25", "--closed-loop"}).code ==
+          0);
   for (const char* dataset : {"data", "data/dataset.yaml"}) {
     const Ended ended = run_dataset(bench, dataset);
     INFO(dataset << "\n" << ended.err);

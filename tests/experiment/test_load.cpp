@@ -134,7 +134,7 @@ TEST_CASE("differs takes globs") {
   const StudyFiles files;
   const std::string text = head() + kData + "methods:\n" + method("fixed", "fixed_window") +
                            method("as_lio_plus", "as_lio_plus") + "baseline: fixed\ndiffers: ";
-  CHECK_NOTHROW(files.load(text + "['win*', hist?ry]\n"));
+  CHECK_NOTHROW(files.load(text + "['win*', 'hist?ry']\n"));
   CHECK_THAT(files.complaint(text + "['win*']\n"), Contains("differs from the baseline") && Contains("history"));
   CHECK_THAT(files.complaint(text + "['win*', 'hist*', '*.frobnicate']\n"),
              Contains("'differs' names '*.frobnicate', which no pipeline of the study has"));
