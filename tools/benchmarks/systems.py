@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run every pipeline on the recorded corridor, from several beginnings, and on drive 0005 of KITTI; print the table of docs/systems.md.
+"""Run every pipeline on the simulated Avia corridor, from several starts, and on drive 0005 of KITTI; print the table of docs/systems.md.
 
 A beginning is a --seed: another phase of the stride and another begin of the first window. On the drive, whose OXTS position drifts by
 metres, a pipeline is held against the published trajectory of its own name, or else against FAST-LIO2's. Standard library only.
