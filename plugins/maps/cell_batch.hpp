@@ -9,7 +9,7 @@ namespace aslio::plugins {
 
 /// Where each point of a batch lies in a grid, as cell_of() tells it of one: axis by axis, so that a processor with
 /// vectors takes several at once, which a point by itself, with its three coordinates, does not let it. Point by point,
-/// voxel_plane took 1.08 times the time to take points (recorded corridor, in turn, AVX2).
+/// voxel_plane took 1.08 times the time to take points (simulated corridor, in turn, AVX2).
 class CellBatch {
  public:
   static constexpr std::size_t kSize = 32;
