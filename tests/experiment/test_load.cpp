@@ -117,7 +117,7 @@ TEST_CASE("axes make a grid over all methods, the last axis fastest") {
   CHECK_FALSE(study.baseline[2].has_value());
 }
 
-TEST_CASE("an axis may belong to some methods only; the others stand still") {
+TEST_CASE("an axis may belong to some methods only, and the others stand still") {
   const StudyFiles files;
   const std::string text = head() + kData + "methods:\n" + method("fixed", "fixed_window") +
                            method("as_lio_plus", "as_lio_plus") +
