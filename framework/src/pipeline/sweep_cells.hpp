@@ -1,6 +1,7 @@
 #pragma once
 /// A sweep as cells of space with the mean and the spread of their points: what another sweep is registered to.
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <span>
 #include <vector>
