@@ -346,6 +346,7 @@ class Reader {
     std::vector<config::Override> overrides;
     for (const std::string& assignment : method.set) overrides.push_back({assignment});
     try {
+      method.pipeline = config::follow_alias(method.pipeline);
       const auto loaded =
           config::load<pipeline::PipelineConfig>(method.pipeline, config::FileKind::pipeline, stages_, overrides);
       pipeline::check_stages(loaded, made_later(method.set));
@@ -354,9 +355,8 @@ class Reader {
       study_.sources.emplace(method.pipeline, sha256_of_file(method.pipeline));
       return true;
     } catch (const ConfigError& error) {
-      const bool set = study_.config.methods[index].set.is_map();
-      add_problems(place("methods", index, set ? "set" : "pipeline"), fmt::format("method '{}': ", method.name),
-                   error.what());
+      add_problems(place("methods", index, study_.config.methods[index].set.is_map() ? "set" : "pipeline"),
+                   fmt::format("method '{}': ", method.name), error.what());
       return false;
     }
   }
