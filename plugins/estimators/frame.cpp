@@ -167,13 +167,6 @@ void Frame::take_as_measured() {
   list_matches();
 }
 
-void Frame::match_all() {
-  for (TapMask& taps : taps_) {
-    if ((taps & mask(Tap::map)) != 0) taps = static_cast<TapMask>(taps | mask(Tap::match));
-  }
-  list_matches();
-}
-
 void Frame::list_matches() {
   match_body_.clear();
   match_range_.clear();

@@ -14,6 +14,9 @@ class Frame {
  public:
   explicit Frame(const SensorModel& sensor) : T_imu_lidar_(sensor.T_imu_lidar) {}
 
+  /// T_imu_lidar from now on, in place of the sensor file's.
+  void set_extrinsic(const Pose& T_imu_lidar) { T_imu_lidar_ = T_imu_lidar; }
+
   /// sample_raw(), deskew() and sample_body(), each on its clock.
   void load(std::span<const TimedPoint> fresh, const WindowTrajectory& trajectory, SamplerChain& samplers,
             StageTimes& times);
@@ -27,8 +30,6 @@ class Frame {
   void sample_body(SamplerChain& samplers);
   /// p_I of every kept point as measured, those of the match tap included, once the samplers have seen them de-skewed.
   void take_as_measured();
-  /// From now on until sample_raw(), every point for the map is one of the match tap, too.
-  void match_all();
   /// match_body() again, for another trajectory; the choice of points, and how samplers have moved them, stays.
   void deskew_matches(const WindowTrajectory& trajectory);
   /// Where the sensor is when the IMU is at T (W from I), W [m].

@@ -1,6 +1,5 @@
 #include "estimators/ieskf.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -11,18 +10,6 @@
 
 namespace aslio::plugins {
 
-namespace {
-
-/// Directions are compared in metres: a rotation counts at the lever arm of a typical point.
-Vec6 direction_scale() {
-  constexpr double lever_arm = 5.0;  // [m]
-  Vec6 scale;
-  scale << Vec3::Constant(1.0 / lever_arm), Vec3::Ones();
-  return scale;
-}
-
-}  // namespace
-
 Ieskf::Ieskf(const Params& params, const BuildContext& context)
     : params_(params),
       sigma_(params.sigma),
@@ -30,6 +17,7 @@ Ieskf::Ieskf(const Params& params, const BuildContext& context)
       sensor_(context.sensor),
       motion_(params.motion.make(context)),
       residual_(params.residual.make(context)),
+      sensors_(params.sensors, context.sensor),
       trajectory_(params.deskew_correction == DeskewCorrection::linear ||
                           params.deskew_correction == DeskewCorrection::asymptotic
                       ? WindowTrajectory::Spread::linear
@@ -45,15 +33,17 @@ void Ieskf::reset(const InitialState& initial) {
   velocity_.begin(initial);
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
+  sensors_.reset(initial.mode == InitialMode::static_start);
+  frame_.set_extrinsic(sensors_.T_imu_lidar());
+  sensors_.start_map(state_, P_);
   dead_reckoning_.forget();
-  carried_.clear();
   left_open_ = false;
   result_ = Update{};
 }
 
 NavState Ieskf::predict(std::span<const ImuSample> imu) const {
   NavState state = state_;
-  for (std::size_t i = 1; i < imu.size(); ++i) motion_->step(state, imu[i - 1], imu[i]);
+  for (std::size_t i = 1; i < imu.size(); ++i) motion_->step(state, sensors_.read(imu[i - 1]), sensors_.read(imu[i]));
   return state;
 }
 
@@ -61,23 +51,26 @@ void Ieskf::propagate(const Window& window) {
   const CpuTimer timer(result_.times.predict);
   NavState state = state_;
   begin_ = state;
-  imu_ = window.imu;
+  imu_ = sensors_.read(window.imu);
   trajectory_.clear(state);
   states_.clear();
   Eigen::Matrix<double, 3, kStateDim> turned = Eigen::Matrix<double, 3, kStateDim>::Zero();
   StateMatrix F;
   Eigen::Matrix<double, kStateDim, 12> G;
-  for (std::size_t i = 1; i < window.imu.size(); ++i) {
-    const ImuSample& from = window.imu[i - 1];
-    const ImuSample& to = window.imu[i];
-    if (params_.deskew_correction == DeskewCorrection::state) {
+  for (std::size_t i = 1; i < imu_.size(); ++i) {
+    const ImuSample& from = imu_[i - 1];
+    const ImuSample& to = imu_[i];
+    if (params_.deskew_correction == DeskewCorrection::state || sensors_.active()) {
       motion_->linearise(state, from, to, F, G);
+    }
+    if (params_.deskew_correction == DeskewCorrection::state) {
       turned = (F.block<3, 3>(block::theta, block::theta) * turned).eval();
       turned.middleCols<kStateDim - block::b_w>(block::b_w) +=
           F.block<3, kStateDim - block::b_w>(block::theta, block::b_w);
     }
     const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, {left_open_, window.imu_gap});
     motion_->propagate_covariance(state, from, to, noise, P_);
+    if (sensors_.active()) sensors_.propagate(F, state.R, from, to, P_);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
     const MotionSegment segment = motion_->step(state, from, to);
     trajectory_.append(segment, state);
@@ -90,7 +83,7 @@ void Ieskf::propagate(const Window& window) {
   seen_.middleRows<3>(6) = turned / std::max(to_seconds(state.t - begin_.t), 1e-6);
   seen_.block<3, 3>(9, block::v).setIdentity();
   if (states_.empty()) states_.push_back(state);
-  hold_calibration(imu_, P_);
+  if (hold_calibration(imu_, P_)) sensors_.forget_state();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   state_ = state;
 }
@@ -135,10 +128,8 @@ void Ieskf::load_history(const HistorySelection& past) {
   history_.body.resize(n);
   history_.range.resize(n);
   history_.weight.resize(n);
-  std::size_t slice = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 p_W = carried_.place(past.points[i].t, past.points[i].p_W, slice);
-    history_.body[i] = I_from_W * p_W;  // eq. HIS-1: seen from the prior, then held fixed
+    history_.body[i] = I_from_W * past.points[i].p_W;  // eq. HIS-1: seen from the prior, then held fixed
     history_.range[i] = past.points[i].range;
     history_.weight[i] = past.points[i].age_weight;
   }
@@ -162,18 +153,8 @@ void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::ui
   residual_->fit(set.world, set.neighbours, set.surfaces);
 }
 
-/// What the prior does not know of the pose moves a residual by as much, its rotation in proportion to the range. eq.
-/// IESKF-11.
-Ieskf::Gate Ieskf::gate_of_prior() const {
-  if (params_.innovation_gate <= 0) return {};
-  const auto largest = [&](int at) {
-    return Eigen::SelfAdjointEigenSolver<Mat3>(P_.block<3, 3>(at, at), Eigen::EigenvaluesOnly).eigenvalues()[2];
-  };
-  const double square = params_.innovation_gate * params_.innovation_gate;
-  return {square * (sigma_ * sigma_ + largest(block::p)), square * largest(block::theta)};
-}
-
-WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, const Gate& gate) {
+WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) {
+  const double squared = gate * gate;
   residual_->evaluate(set.world, set.range, set.surfaces, sigma_, set.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   const Mat3 Rt = at.R.transpose();
@@ -182,7 +163,7 @@ WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, const Gate&
     InformationLanes lanes(Rt);
     for (std::size_t i = begin; i < end; ++i) {
       const auto rows = std::span<const ResidualRow>(set.rows).subspan(i * rows_per_match, rows_per_match);
-      if (!gate.passes(rows, set.range[i])) continue;
+      if (!within(rows, squared)) continue;
       for (const ResidualRow& z : rows) {
         if (!z.takes_part()) continue;
         const double information = (set.weight.empty() ? 1.0 : set.weight[i]) * z.information;
@@ -255,23 +236,10 @@ void Ieskf::retrace(const NavState& at) {
   if (states_.empty()) states_.push_back(at);
 }
 
-/// W with which rows h of the pose become W h: without the directions in which 0.1 s of the view know less than
-/// degenerate_sigma. eq. IESKF-9.
-Mat6 Ieskf::leave_degenerate_out(const Mat6& A) const {
-  const Vec6 scale = direction_scale();
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(scale.asDiagonal() * A * scale.asDiagonal());
-  const double least = 1.0 / (params_.degenerate_sigma * params_.degenerate_sigma * windows_per_view(plan_));
-  Mat6 keep = Mat6::Zero();
-  for (int i = 0; i < 6; ++i) {
-    if (solver.eigenvalues()[i] < least) continue;
-    keep += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
-  }
-  return scale.cwiseInverse().asDiagonal() * keep * scale.asDiagonal();
-}
-
 /// Brings the fresh points to the end of the window again, as the iterate says.
 void Ieskf::follow(const NavState& at) {
   const CpuTimer timer(result_.times.deskew, result_.times.solve);
+  if (sensors_.active()) frame_.set_extrinsic(sensors_.T_imu_lidar());
   if (params_.deskew_correction == DeskewCorrection::state) {
     retrace(at);
     frame_.deskew_matches(trajectory_);
@@ -279,6 +247,10 @@ void Ieskf::follow(const NavState& at) {
     return;
   }
   trajectory_.correct(at.pose());
+  if (sensors_.active()) {
+    frame_.deskew_matches(trajectory_);
+    fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
+  }
   if (trajectory_.spread() == WindowTrajectory::Spread::rigid) return;
   trajectory_.to_end(
       fresh_.body.size(), [&](std::size_t i) -> const Vec3& { return frame_.match_body()[i]; },
@@ -291,22 +263,10 @@ std::int64_t Ieskf::matches(const WindowInformation& sum) const {
 }
 
 /// All residuals at the iterate.
-Ieskf::Evaluation Ieskf::measure(const NavState& at, bool first, const HistorySelection& past,
-                                 const StepContext& context) {
+Ieskf::Evaluation Ieskf::measure(const NavState& at, const StepContext& context) {
   Evaluation sums;
-  sums.fresh = evaluate(fresh_, at, gate_);
-  if (first && matches(sums.fresh) < params_.dense_below) {
-    // The less of the view is known, the more each known point counts.
-    frame_.match_all();
-    reserve(frame_.match_body().size(), past.points.size());
-    load_fresh();
-    const CpuTimer timer(result_.times.associate, result_.times.solve);
-    place(fresh_, at);
-    associate(fresh_, at, context.map, 0xffffffff);
-    sums.fresh = evaluate(fresh_, at, gate_);
-  }
-  const double history_gate = context.histories.gate(sigma_);
-  sums.history = evaluate(history_, at, {history_gate * history_gate, 0});
+  sums.fresh = evaluate(fresh_, at, std::numeric_limits<double>::infinity());
+  sums.history = evaluate(history_, at, context.histories.gate(sigma_));
   result_.fresh_matches = static_cast<std::uint32_t>(matches(sums.fresh));
   result_.history_matches = static_cast<std::uint32_t>(matches(sums.history));
   return sums;
@@ -317,7 +277,15 @@ double Ieskf::innovation_per_row(const WindowInformation& fresh) const {
   SeenMatrix A;
   SeenVector b;
   observe(fresh, A, b);
-  return squared_innovation<kSeenDim>(P_, seen_, A, b, fresh.weighted_sum) / static_cast<double>(fresh.accepted);
+  const double nis = sensors_.active() ? sensors_.squared_innovation(P_, seen_, state_.R, A, b, fresh.weighted_sum)
+                                       : squared_innovation<kSeenDim>(P_, seen_, A, b, fresh.weighted_sum);
+  return nis / static_cast<double>(fresh.accepted);
+}
+
+/// From the iterate `at`, which is `d` from the prior; `P` is the prior's covariance seen from there.
+StateVector Ieskf::step(const NavState& at, const StateVector& d, const StateMatrix& P, const Normal& normal) {
+  if (sensors_.active()) return sensors_.step(P_, seen_, at, d, normal.A_all, normal.b_all);
+  return iteration_step<kSeenDim>(P, seen_, normal.A_all, normal.b_all, d);
 }
 
 /// The normal equations of fresh points, and of all with the history's weight.
@@ -327,21 +295,14 @@ Ieskf::Normal Ieskf::assemble(const Evaluation& sums, double history_weight) con
   normal.A_all = normal.A_new;
   normal.A_all.topLeftCorner<6, 6>() += history_weight * sums.history.A;
   normal.b_all.head<6>() += history_weight * sums.history.b;
-  if (params_.degenerate_to_prior) {
-    SeenMatrix taken = SeenMatrix::Zero();
-    taken.topLeftCorner<6, 6>() = taken.bottomRightCorner<6, 6>() = leave_degenerate_out(sums.fresh.A);
-    normal.A_new = (taken * normal.A_new * taken.transpose()).eval();
-    normal.A_all = (taken * normal.A_all * taken.transpose()).eval();
-    normal.b_all = (taken * normal.b_all).eval();
-  }
   return normal;
 }
 
 void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   const NavState prior = state_;
   NavState x = prior;
-  gate_ = gate_of_prior();
   bool search = true;
+  sensors_.begin();
   int converged_steps = 0;
   for (int j = 0; j < params_.max_iterations; ++j) {
     {
@@ -354,14 +315,14 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
       }
     }
     const CpuTimer timer(result_.times.solve);
-    const Evaluation sums = measure(x, j == 0, past, context);
+    const Evaluation sums = measure(x, context);
     result_.iterations = j + 1;
     if (matches(sums.fresh) < params_.min_matches) return refuse(UpdateStatus::few_matches);
     const Normal normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
     if (j == 0) result_.nis = innovation_per_row(sums.fresh);
-    const StateVector delta = iteration_step<kSeenDim>(P, seen_, normal.A_all, normal.b_all, d);
+    const StateVector delta = step(x, d, P, normal);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
     x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);
     follow(x);
@@ -385,7 +346,9 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
 
 void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
                    const Normal& normal, const HistorySelection& past) {
-  const StateMatrix P = posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
+  const StateMatrix P =
+      sensors_.active() ? sensors_.posterior(normal.A_new, normal.A_all, past.covariance)
+                        : posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
   set_spectrum(result_, last.fresh.A);
@@ -412,6 +375,7 @@ void Ieskf::find_velocity_alone() {
 void Ieskf::refuse(UpdateStatus status) {
   result_.status = status;
   result_.accepted = false;
+  sensors_.restore();
   left_open_ = dead_reckoning_.begun();
   // Unseen space can only become known by inserting it: go on while dead reckoning is still good (eq. IESKF-8).
   result_.insert = status == UpdateStatus::few_matches && dead_reckoning_.good(state_.t, P_);
@@ -427,6 +391,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
       P_.allFinite() && state_.p.allFinite() && state_.v.allFinite() && state_.R.allFinite() && state_.g.allFinite();
   if (!finite) {  // back to the last finite state; the points stay as measured, and nothing is done with them
     P_ = P_before;
+    sensors_.forget_state();
     state_ = before;
     state_.t = window.plan.end;
     trajectory_.clear(state_);
@@ -437,7 +402,6 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
   reserve(frame_.match_body().size(), past.points.size());
   load_fresh();
-  carried_.forget(plan_.history_begin);
   load_history(past);
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
   if (finite && context.map.size() == 0) {
@@ -455,11 +419,6 @@ void Ieskf::record_residuals() {
   place(fresh_, state_);
   residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, sigma_, fresh_.rows);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-  for (std::size_t i = 0; i < fresh_.body.size(); ++i) {
-    const auto rows = std::span<ResidualRow>(fresh_.rows).subspan(i * rows_per_match, rows_per_match);
-    if (gate_.passes(rows, fresh_.range[i])) continue;
-    for (ResidualRow& z : rows) z.information = 0;
-  }
   record_matches(fresh_.rows, rows_per_match, records_, result_.residual_rms);
 }
 
@@ -468,6 +427,12 @@ void Ieskf::finish(bool predicted) {
     const CpuTimer timer(result_.times.deskew);
     if (!result_.accepted && predicted) retrace(state_);  // an iteration may have left another one
     frame_.deskew(trajectory_);
+  }
+  if (sensors_.active()) {
+    const CpuTimer timer(result_.times.deskew);
+    frame_.set_extrinsic(sensors_.T_imu_lidar());
+    if (predicted) frame_.deskew(trajectory_);
+    result_.sensor = sensors_.estimate();
   }
   const CpuTimer timer(result_.times.solve);
   trajectory_.correct(state_.pose());
@@ -490,9 +455,6 @@ void Ieskf::finish(bool predicted) {
   result_.overlap_points = frame_.world(Tap::overlap);
   result_.map_points = frame_.world(Tap::map);
   result_.match_points = frame_.world(Tap::match);
-  if (!params_.carry) return;
-  carried_.follow(result_, plan_);  // eq. IESKF-12
-  result_.revision = &carried_;
 }
 
 }  // namespace aslio::plugins

@@ -5,7 +5,6 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "estimators/carried_points.hpp"
 #include "estimators/dead_reckoning.hpp"
 #include "estimators/frame.hpp"
 #include "estimators/imu_noise.hpp"
@@ -13,14 +12,15 @@
 #include "estimators/initial_covariance.hpp"
 #include "estimators/match_tally.hpp"
 #include "estimators/point_matches.hpp"
+#include "estimators/sensor_states.hpp"
 #include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 
 /// Iterated error-state Kalman filter over one window: AS-LIO (9)-(13), FAST-LIO2. error state (theta, p, v, b_w, b_a,
 /// g, s, d), information form; fresh points are de-skewed to the end of the window with the IMU prediction, history
-/// points enter at the world position their own update gave them, or where later ones have carried them, seen from the
-/// predicted pose (docs/equations.md IESKF-*, HIS-*).
+/// points enter at the world position their own update gave them, seen from the predicted pose (docs/equations.md
+/// IESKF-*, HIS-*).
 class Ieskf final : public Estimator {
  public:
   using Gravity = EstimatedStates::Gravity;
@@ -37,6 +37,7 @@ class Ieskf final : public Estimator {
 
   struct Params {
     EstimatedStates estimated;
+    SensorStates::Params sensors;
     DeskewCorrection deskew_correction = DeskewCorrection::rigid;
     ImuNoisePreset noise;
     Association association = Association::every_iteration;
@@ -45,12 +46,8 @@ class Ieskf final : public Estimator {
     double converged_m = 1e-3;
     double converged_deg = 0.0573;
     std::int64_t min_matches = 20;
-    std::int64_t dense_below = 0;
-    double innovation_gate = 0;
     double shared_time = 0.05;
     double degenerate_sigma = 0.05;
-    bool degenerate_to_prior = false;
-    bool carry = false;
     config::Nested<MotionModel> motion{"imu_midpoint"};
     config::Nested<Residual> residual{"point_to_plane"};
   };
@@ -90,20 +87,10 @@ class Ieskf final : public Estimator {
     void resize(std::size_t n, std::size_t rows_per_match);
   };
 
-  /// How far from its surface a point may lie: r^2 <= at_hand + by_range range^2 [m^2, rad^2].
-  struct Gate {
-    double at_hand = std::numeric_limits<double>::infinity(), by_range = 0;
-    bool passes(std::span<const ResidualRow> rows, float range) const {
-      return within(rows, at_hand + by_range * static_cast<double>(range) * static_cast<double>(range));
-    }
-  };
-
   /// Sums of one evaluation: information of the fresh points and of the history points (not yet weighted).
   struct Evaluation {
     WindowInformation fresh, history;
   };
-  using SeenMatrix = Eigen::Matrix<double, kSeenDim, kSeenDim>;
-  using SeenVector = Eigen::Matrix<double, kSeenDim, 1>;
   /// Normal equations of what the points see: of fresh residuals, and of all with the history weighted.
   struct Normal {
     SeenMatrix A_new, A_all;
@@ -119,16 +106,16 @@ class Ieskf final : public Estimator {
   void place(MatchSet& set, const NavState& at) const;
   /// What the points match where `at` has placed them.
   void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
-  Gate gate_of_prior() const;
-  WindowInformation evaluate(MatchSet& set, const NavState& at, const Gate& gate);
+  /// Sums over the points that lie within `gate` [m] of their surface.
+  WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
-  Mat6 leave_degenerate_out(const Mat6& A) const;
   void load_fresh();
   void retrace(const NavState& at);
   void follow(const NavState& at);
   std::int64_t matches(const WindowInformation& sum) const;
-  Evaluation measure(const NavState& at, bool first, const HistorySelection& past, const StepContext& context);
+  Evaluation measure(const NavState& at, const StepContext& context);
   double innovation_per_row(const WindowInformation& fresh) const;
+  StateVector step(const NavState& at, const StateVector& d, const StateMatrix& P, const Normal& normal);
   Normal assemble(const Evaluation& sums, double history_weight) const;
   void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Normal& normal,
               const HistorySelection& past);
@@ -147,6 +134,7 @@ class Ieskf final : public Estimator {
   VelocitySearch velocity_;
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
+  SensorStates sensors_;
   DeadReckoning dead_reckoning_;
   bool left_open_ = false;  ///< the last update left a direction open, or was refused after others were not
 
@@ -157,8 +145,6 @@ class Ieskf final : public Estimator {
   Frame frame_;
   MatchSet fresh_, history_;
   MatchTally tally_;
-  CarriedPoints carried_;
-  Gate gate_;  ///< of the fresh points of this update
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update

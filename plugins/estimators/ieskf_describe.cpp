@@ -4,6 +4,7 @@ namespace aslio::plugins {
 
 void Ieskf::describe(config::Binder& b, Params& p) {
   describe_estimated(b, p.estimated);
+  SensorStates::describe(b, p.sensors);
   b.choice("deskew_correction", p.deskew_correction,
            {{"rigid", DeskewCorrection::rigid},
             {"linear", DeskewCorrection::linear},
@@ -35,27 +36,19 @@ void Ieskf::describe(config::Binder& b, Params& p) {
   b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10},
          "attitude step below which an iteration has converged");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
-  b.integer("dense_below", p.dense_below, "", {.min = 0, .max = 1e6},
-            "fewer fresh matches with the predicted pose: all points for the map are matched, not only those sampled "
-            "for it (0: never)");
-  b.real("innovation_gate", p.innovation_gate, "", {.min = 0, .max = 100},
-         "a fresh match takes part while its residual is within so many standard deviations of what the noise and the "
-         "predicted pose allow (0: whatever the residual itself allows)");
   b.real("shared_time", p.shared_time, "s", {.min = 0.0, .max = 10.0},
          "with an error that matches of a plane share (plane_sigma of the residual): that of a plane is taken for the "
          "same over this time, so that shorter windows know no more of it than one as long");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
          "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
          "(rotation at a 5 m lever arm)");
-  b.flag("degenerate_to_prior", p.degenerate_to_prior,
-         "leave directions of which 0.1 s of the view know less than degenerate_sigma to the prior: what clutter and "
-         "moving things say of "
-         "them is not taken for evidence");
-  b.flag("carry", p.carry,
-         "points of earlier updates move along with the corrections of later ones, in the history and while they wait "
-         "for the map (insertion: on_exit); false: they stay where their own update placed them");
   b.stage("motion", p.motion, "pose and covariance between updates");
   b.stage("residual", p.residual, "what a match measures");
+  // Trials of 0.1.0 (docs/decisions.md, section "Withdrawn").
+  b.removed("dense_below", "remove it: every shipped study has it off");
+  b.removed("innovation_gate", "use estimator.residual.kernel");
+  b.removed("degenerate_to_prior", "remove it: map.doubt gives weak planes less weight");
+  b.removed("carry", "use the estimator fixed_lag_smoother, which moves earlier points");
 }
 
 }  // namespace aslio::plugins

@@ -39,7 +39,7 @@ NavState ImuTrack::correct(const NavState& predicted, const Pose& pose, const Ma
   Vec6 off;
   off << log_so3(predicted.R.transpose() * pose.R), pose.p - predicted.p;
   const Vec6 b = -information * off;
-  const StateVector delta = iteration_step<6>(P_, H, information, b, StateVector::Zero());
+  const StateVector delta = iteration_step<6>(P_, H, information, b, StateVector::Zero().eval());
   P_ = posterior_covariance<6>(P_, H, information, information, HistoryCovariance::all);
   return box_plus(predicted, delta, true);
 }

@@ -74,7 +74,11 @@ struct WindowInformation : PoseInformation {
 /// What the points of a window see: the errors (theta, p) of the pose at its end, and the errors (rate, velocity) with
 /// which they were brought there.
 inline constexpr int kSeenDim = 12;
+/// Size of the state with what sensor_states.hpp adds.
+inline constexpr int kWithSensors = kStateDim + 9;
 using SeenRows = Eigen::Matrix<double, kSeenDim, kStateDim>;
+using SeenMatrix = Eigen::Matrix<double, kSeenDim, kSeenDim>;
+using SeenVector = Eigen::Matrix<double, kSeenDim, 1>;
 
 /// x [-] x_hat for the error state (theta, p, v, b_w, b_a, g, s, d). eq. IESKF-2.
 StateVector box_minus(const NavState& x, const NavState& reference);
@@ -83,27 +87,30 @@ NavState box_plus(const NavState& x, const StateVector& delta, bool unit_gravity
 
 /// Covariance of the prior seen from the current iterate: J^-1 P J^-T with J^-1 = blkdiag(J_r(d_theta), I). eq.
 /// IESKF-3.
-StateMatrix transported_covariance(const StateMatrix& P, const Vec3& d_theta);
+/// The first three components are theta, whatever the size S.
+template <int S = kStateDim>
+Eigen::Matrix<double, S, S> transported_covariance(const Eigen::Matrix<double, S, S>& P, const Vec3& d_theta);
 
 /// delta = -P C^T S b - d + P C^T S A C d, S = (I + A C P C^T)^-1. eqs. IESKF-4, IESKF-5. `P` is the transported
 /// covariance.
-template <int N>
-StateVector iteration_step(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
-                           const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
-                           const StateVector& d);
+template <int N, int S = kStateDim>
+Eigen::Matrix<double, S, 1> iteration_step(const Eigen::Matrix<double, S, S>& P, const Eigen::Matrix<double, N, S>& C,
+                                           const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
+                                           const Eigen::Matrix<double, S, 1>& d);
 
 /// z^T (H P H^T + R)^-1 z = sum z^2/R - b^T C P C^T S b, the squared innovation (NIS) of the residuals z, whose sum
 /// z^2/R is `weighted_sum`. `P` is the covariance of the state at which they were taken. eq. IESKF-10.
-template <int N>
-double squared_innovation(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
+template <int N, int S = kStateDim>
+double squared_innovation(const Eigen::Matrix<double, S, S>& P, const Eigen::Matrix<double, N, S>& C,
                           const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
                           double weighted_sum);
 
 /// Posterior covariance when `A_new` comes from fresh and `A_all` from fresh and re-used residuals. eqs. IESKF-6,
 /// HIS-3.
-template <int N>
-StateMatrix posterior_covariance(const StateMatrix& P, const Eigen::Matrix<double, N, kStateDim>& C,
-                                 const Eigen::Matrix<double, N, N>& A_new, const Eigen::Matrix<double, N, N>& A_all,
-                                 HistoryCovariance rule);
+template <int N, int S = kStateDim>
+Eigen::Matrix<double, S, S> posterior_covariance(const Eigen::Matrix<double, S, S>& P,
+                                                 const Eigen::Matrix<double, N, S>& C,
+                                                 const Eigen::Matrix<double, N, N>& A_new,
+                                                 const Eigen::Matrix<double, N, N>& A_all, HistoryCovariance rule);
 
 }  // namespace aslio::plugins

@@ -89,9 +89,9 @@ void walk_gravity(const EstimatedStates& estimated, const Vec3& g, double dt, St
 }
 
 // eq. MOT-12.
-void hold_calibration(std::span<const ImuSample> imu, StateMatrix& P) {
+bool hold_calibration(std::span<const ImuSample> imu, StateMatrix& P) {
   constexpr auto unread = imu_fault::gyro_dead | imu_fault::gyro_clipped;
-  if (std::none_of(imu.begin(), imu.end(), [](const ImuSample& s) { return (s.faults & unread) != 0; })) return;
+  if (std::none_of(imu.begin(), imu.end(), [](const ImuSample& s) { return (s.faults & unread) != 0; })) return false;
   constexpr int sensor[][2] = {{block::b_w, 3}, {block::b_a, 3}, {block::s, 9}, {block::d, 1}};
   constexpr int motion[] = {block::theta, block::p, block::v, block::g};
   for (const auto& [of, size] : sensor) {
@@ -100,6 +100,7 @@ void hold_calibration(std::span<const ImuSample> imu, StateMatrix& P) {
       P.block(at, of, 3, size).setZero();
     }
   }
+  return true;
 }
 
 }  // namespace aslio::plugins

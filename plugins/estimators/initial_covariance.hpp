@@ -38,7 +38,7 @@ void walk_gravity(const EstimatedStates& estimated, const Vec3& g, double dt, St
 
 /// Where the gyro was dead or at the end of its range, sets the covariances between motion (pose, velocity, gravity)
 /// and calibration (biases, scale, delay) to 0: what is no reading says nothing of the sensor that did not read it
-/// (docs/equations.md MOT-12).
-void hold_calibration(std::span<const ImuSample> imu, StateMatrix& P);
+/// (docs/equations.md MOT-12). Returns whether it did.
+bool hold_calibration(std::span<const ImuSample> imu, StateMatrix& P);
 
 }  // namespace aslio::plugins

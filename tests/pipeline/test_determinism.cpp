@@ -40,16 +40,6 @@ TEST_CASE("digests of all updates are the same for any number of threads and fro
   }
 }
 
-TEST_CASE("points that are carried along: another trajectory, and the same one for any number of threads") {
-  const World w;
-  const std::vector<std::string> carry = {"estimator.carry=true"};
-  const auto expected = digests(w, "as_lio_plus", 1, carry);
-  REQUIRE(expected.size() >= 35);
-  CHECK((expected != digests(w, "as_lio_plus")));
-  CHECK((expected == digests(w, "as_lio_plus", 3, carry)));
-  CHECK((digests(w, "fixed_window", 1, carry) == digests(w, "fixed_window")));  // no old points: nothing to carry
-}
-
 TEST_CASE("two pipelines interleaved in one process give the same digests as each alone") {
   const World w;
   Run first(shipped("as_lio_plus"), w.world.sensor()), second(shipped("fixed_window"), w.world.sensor()),

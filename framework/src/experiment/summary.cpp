@@ -151,6 +151,15 @@ Json calibration(const Summary& s) {
   add_known(out, "gyro_sensitivity", "gyro_sensitivity_sigma", c.gyro_sensitivity);
   out["imu_delay_s"] = c.imu_delay ? Json(c.imu_delay->value) : Json(nullptr);
   out["imu_delay_sigma_s"] = c.imu_delay ? Json(c.imu_delay->sigma) : Json(nullptr);
+  add_known(out, "extrinsic_turn_rad", "extrinsic_turn_sigma_rad", c.extrinsic_turn);
+  add_known(out, "extrinsic_shift_m", "extrinsic_shift_sigma_m", c.extrinsic_shift);
+  add_known(out, "acc_scale", "acc_scale_sigma", c.acc_scale);
+  out["T_imu_lidar"] = nullptr;  // as a sensor file has it
+  if (c.extrinsic_turn) {
+    const Pose& T = c.T_imu_lidar;
+    out["T_imu_lidar"] = {{"translation", numbers(T.p, Vec3(Vec3::Ones()))},
+                          {"rotation", numbers(T.R, Mat3(Mat3::Ones()))}};
+  }
   return out;
 }
 

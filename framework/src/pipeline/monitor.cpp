@@ -27,6 +27,7 @@ constexpr double kUnexplained = 0.1, kUnexplainedUsual = 0.025;
 constexpr double kUnexplainedTurn = 0.15, kSharpTurn = 1.0;
 constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
 constexpr double kScale = 0.03, kDelay = 0.015, kGyroBias = 0.1, kAccBias = 1.5;
+constexpr double kMountTurn = 0.05, kMountShift = 0.15;  // of T_imu_lidar [rad, m]
 
 /// Turn that the gyro measured over the window, in I [rad]. Its bias counts for nothing beside what is looked for.
 Vec3 measured_turn(std::span<const ImuSample> imu) {
@@ -275,27 +276,37 @@ namespace {
 
 /// What of the learnt state is beyond what a part can have, with the evidence of P; empty: nothing. `strict`: beyond
 /// doubt.
-std::string implausible(const NavState& x, const StateMatrix& P, bool strict) {
+std::string implausible(const Update& update, bool strict) {
+  const NavState& x = update.state;
   const double sigmas = strict ? 5.0 : 3.0, share = strict ? 3.3 : 0.67;
   std::string what;
-  const auto beyond = [&](double value, int at, double limit) {
-    const double sigma = std::sqrt(std::max(P(at, at), 0.0));
+  const auto beyond = [&](double value, double sigma, double limit) {
     return sigma > 0 && std::abs(value) > share * limit && std::abs(value) - sigmas * sigma > 0.5 * share * limit;
   };
   /// The first of the entries that is; one is enough to name.
-  const auto look = [&](const double* values, int count, int at, double limit, double unit, const char* name,
-                        const char* of) {
-    for (int i = 0; i < count; ++i) {
-      if (!beyond(values[i], at + i, limit)) continue;
+  const auto look_at = [&](const auto& values, const auto& sigmas_of, double limit, double unit, const char* name,
+                           const char* of) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      if (!beyond(values[i], sigmas_of[i], limit)) continue;
       what += fmt::format("{}{} {:+.3g} +- {:.1g} {}", what.empty() ? "implausible: " : ", ", name, unit * values[i],
-                          unit * std::sqrt(P(at + i, at + i)), of);
+                          unit * sigmas_of[i], of);
       return;
     }
+  };
+  const StateVector sigma = update.P.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const auto look = [&](const double* values, int count, int at, double limit, double unit, const char* name,
+                        const char* of) {
+    look_at(Eigen::Map<const Eigen::VectorXd>(values, count), sigma.segment(at, count), limit, unit, name, of);
   };
   look(x.S_w.data(), 9, block::s, kScale, 100, "gyro scale or cross-axis term", "%");
   look(&x.imu_delay, 1, block::d, kDelay, 1e3, "IMU delay", "ms");
   look(x.b_w.data(), 3, block::b_w, kGyroBias, 1, "gyro bias", "rad/s");
   look(x.b_a.data(), 3, block::b_a, kAccBias, 1, "accelerometer bias", "m/s^2");
+  if (const auto& s = update.sensor) {
+    const Vec3 turn = log_so3(s->declared.R.transpose() * s->T_imu_lidar.R), shift = s->T_imu_lidar.p - s->declared.p;
+    look_at(turn, s->sigma_rotation, kMountTurn, 1 / kRadPerDeg, "turn of T_imu_lidar", "deg");
+    look_at(shift, s->sigma_translation, kMountShift, 1, "shift of T_imu_lidar", "m");
+  }
   return what.empty() ? what : what + ": check T_imu_lidar";
 }
 
@@ -303,12 +314,12 @@ std::string implausible(const NavState& x, const StateMatrix& P, bool strict) {
 
 // eq. MON-4.
 void Monitor::judge_learnt(const Update& update, double dt) {
-  report_.implausible = implausible(update.state, update.P, false);
+  report_.implausible = implausible(update, false);
   if (report_.implausible.empty()) {
     implausible_for_ = 0.0;
     return;
   }
-  const std::string certain = implausible(update.state, update.P, true);
+  const std::string certain = implausible(update, true);
   implausible_for_ = certain.empty() ? 0.0 : implausible_for_ + dt;
   if (implausible_for_ > kWrongFor) raise(certain);
 }

@@ -161,8 +161,7 @@ TEST_CASE("the times of the parts of an update are disjoint: together no more th
   motion.gyro_error = Vec3(0, 0, 0.02);
   for (const std::string rule : {"rigid", "linear", "asymptotic", "state"}) {
     CAPTURE(rule);
-    Filter filter({"estimator.deskew_correction=" + rule, "estimator.max_iterations=8", "estimator.dense_below=100000",
-                   "estimator.converged_m=1e-9"});
+    Filter filter({"estimator.deskew_correction=" + rule, "estimator.max_iterations=8", "estimator.converged_m=1e-9"});
     filter.build_map(1);
     for (int k = 0; k < 3; ++k) {
       const RoomWindow room(kRoomEpoch + k * kTenth, kTenth, motion, static_cast<std::uint32_t>(k + 2));

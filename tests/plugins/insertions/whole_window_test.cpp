@@ -62,7 +62,7 @@ TEST_CASE("whole_window: old points lie where the estimator has moved them") {
       return point.p_W + Vec3(0, 0, 1e-9) * static_cast<double>(point.t);
     }
   } const moved;
-  test::BuildEnvironment environment;  // eq. INS-1 with IESKF-12
+  test::BuildEnvironment environment;  // eq. INS-1 with SMO-4
   plugins::InsertWholeWindow insertion({}, environment.context());
   RandomWindows windows(7);
   std::vector<WorldPoint> inside;  // as their own updates placed them

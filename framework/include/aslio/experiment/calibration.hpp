@@ -23,6 +23,10 @@ struct Calibration {
   std::optional<Known<Vec3>> acc_bias;          ///< [m/s^2]
   std::optional<Known<Mat3>> gyro_sensitivity;  ///< NavState::S_w
   std::optional<Known<double>> imu_delay;       ///< NavState::imu_delay [s]
+  std::optional<Known<Vec3>> extrinsic_turn;    ///< of T_imu_lidar against the sensor file's, in L [rad]
+  std::optional<Known<Vec3>> extrinsic_shift;   ///< the same, in I [m]
+  std::optional<Known<Vec3>> acc_scale;         ///< SensorEstimate::acc_scale
+  Pose T_imu_lidar;                             ///< as estimated, where extrinsic_turn is
 };
 
 /// Of an update that is accepted and finite and has not let go what it knew to begin anew; nothing where no part is

@@ -2,6 +2,7 @@
 /// Estimators: the state, given a window, its history and the map.
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -67,6 +68,16 @@ struct StageTimes {
   double predict = 0, deskew = 0, sample = 0, associate = 0, solve = 0, overlap = 0, insert = 0, window = 0;
 };
 
+/// What an estimator has learnt of the sensors beside the state (NavState). A sigma of 0: it is held fixed.
+struct SensorEstimate {
+  Pose T_imu_lidar;                       ///< as estimated
+  Pose declared;                          ///< T_imu_lidar of the sensor file
+  Vec3 sigma_rotation = Vec3::Zero();     ///< of T_imu_lidar, about its axes [rad]
+  Vec3 sigma_translation = Vec3::Zero();  ///< of T_imu_lidar [m]
+  Vec3 acc_scale = Vec3::Zero();          ///< error of the accelerometer's scale factors: it measures (1 + s)(a + b_a)
+  Vec3 sigma_acc_scale = Vec3::Zero();
+};
+
 /// Result of one update. Owned by the estimator, valid until its next update; spans point into it.
 struct Update {
   UpdateStatus status = UpdateStatus::initialising;
@@ -91,6 +102,7 @@ struct Update {
   const TrajectoryModel* trajectory = nullptr;  ///< T_W_I over the fresh interval
   /// Of points of this update and earlier ones; valid as long as the estimator. nullptr: they stay where they are.
   const PointRevision* revision = nullptr;
+  std::optional<SensorEstimate> sensor;  ///< where one is estimated
   StageTimes times;
 
   /// One that says so by its status alone means it, too.
