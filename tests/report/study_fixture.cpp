@@ -37,16 +37,17 @@ std::vector<StampedPose> poses(double duration, double rate, double error) {
 }
 
 std::string telemetry(double duration, double rate) {
-  std::string text = "t_ns,status,sod,iterations,n_matches,eig_1,residual_rms_m,tracking,gyro_rms_rad_s\n";
+  std::string text = "t_ns,status,sod,iterations,n_matches,eig_1,residual_rms_m,tracking,gyro_rms_rad_s,alarm\n";
   const auto out = std::back_inserter(text);
   for (int i = 0; i <= static_cast<int>(duration * rate); ++i) {
     const double t = i / rate;
-    fmt::format_to(out, "{},{},{},{},{},{},{},ok,{}\n", kBegin + to_ns(t),
+    fmt::format_to(out, "{},{},{},{},{},{},{},{},{},{}\n", kBegin + to_ns(t),
                    i == 0        ? "initialising"
                    : i % 400 < 5 ? "degenerate"
                                  : "ok",
                    i == 0 ? "" : fmt::format("{:.4f}", 0.8 + 0.15 * std::sin(t)), 2 + i % 3, 900 + i % 50,
-                   100 + 50 * std::cos(t), 0.02 + 0.001 * std::sin(9 * t), 0.1 + 0.05 * std::sin(2 * t));
+                   100 + 50 * std::cos(t), 0.02 + 0.001 * std::sin(9 * t), i >= 610 && i < 640 ? "lost" : "ok",
+                   0.1 + 0.05 * std::sin(2 * t), i == 610 ? 1 : 0);
   }
   return text;
 }

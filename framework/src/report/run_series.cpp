@@ -162,12 +162,24 @@ Channel rate_of(const Columns& columns, TimeNs origin) {
   return channel;
 }
 
-/// [begin, end, status] of the stretches whose updates were not `ok`.
+/// What each update was: `alarm` of the monitor, `lost`, else its status.
+std::vector<std::string> states(const Columns& columns) {
+  const auto status = columns.texts.find("status");
+  if (status == columns.texts.end()) return {};
+  std::vector<std::string> out = status->second;
+  const auto tracking = columns.texts.find("tracking");
+  const std::vector<double>* alarm = column(columns, "alarm");
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (tracking != columns.texts.end() && tracking->second[i] == "lost") out[i] = "lost";
+    if (alarm != nullptr && (*alarm)[i] > 0) out[i] = "alarm";
+  }
+  return out;
+}
+
+/// [begin, end, state] of the stretches whose updates were not `ok`.
 Json weak_stretches(const Columns& columns, TimeNs origin) {
   Json json = Json::array();
-  const auto at = columns.texts.find("status");
-  if (at == columns.texts.end()) return json;
-  const std::vector<std::string>& status = at->second;
+  const std::vector<std::string> status = states(columns);
   const auto rounded = [&](std::size_t i) { return std::round(1e3 * seconds_from(origin, columns.t[i])) / 1e3; };
   for (std::size_t i = 0; i < status.size();) {
     std::size_t end = i + 1;

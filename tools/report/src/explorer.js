@@ -63,7 +63,8 @@ class Explorer {
       this.timeline.range = [this.begin, this.end];
       this.choice.set({time: this.end});
     }
-    this.timeline.show(this.lines(courses, overlap), [this.begin, this.end]);
+    this.timeline.show(this.lines(courses, overlap), courses.map(({run, course}) => ({name: this.study.labelOf(run), colour: this.colour(run), stretches: course.weak})),
+      [this.begin, this.end]);
     this.mapBox.hidden = !map;
     this.drawLegend(truth);
     this.drawList();

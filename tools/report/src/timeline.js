@@ -1,6 +1,7 @@
 // Everything over one time axis: the same cursor and the same zoom for all charts.
 import uPlot from 'uplot';
 import {h} from './dom.js';
+import {Lane} from './lane.js';
 import {brief} from './model.js';
 import {ink} from './theme.js';
 import {valueAt} from './value_at.js';
@@ -68,11 +69,12 @@ export class Timeline {
     this.element = h('div', {class: 'timeline'});
     this.plots = [];
     this.range = null;
+    this.lane = new Lane();
     new ResizeObserver(() => this.resize()).observe(this.element);
   }
 
-  /** lines: by channel, [{name, colour, channel, dash}]; range: [begin, end]. */
-  show(lines, range) {
+  /** lines: by channel, [{name, colour, channel, dash}]; states: as Lane.show takes them; range: [begin, end]. */
+  show(lines, states, range) {
     for (const plot of this.plots) plot.destroy();
     this.plots = [];
     this.full = range;
@@ -86,7 +88,9 @@ export class Timeline {
       queueMicrotask(() => this.plot(place, readings, name, drawn, index === present.length - 1));
       return h('figure', {'aria-label': title}, head, place);
     }));
-    if (!present.length) this.element.append(h('p', {class: 'note'}, 'No run of this recording has left a course.'));
+    this.lane.show(states);
+    if (present.length) this.element.append(this.lane.element);
+    else this.element.append(h('p', {class: 'note'}, 'No run of this recording has left a course.'));
   }
 
   plot(place, readings, name, lines, last) {
@@ -112,6 +116,8 @@ export class Timeline {
       hooks: {
         setCursor: [(u) => this.read(u, readings)],
         setScale: [(u, key) => key === 'x' && this.zoom(u)],
+        ready: [() => last && this.placeLane()],
+        setSize: [() => last && this.placeLane()],
       },
     }, joined, place);
     plot.over.addEventListener('click', () => this.choice.set({time: plot.posToVal(plot.cursor.left, 'x')}));
@@ -125,6 +131,7 @@ export class Timeline {
     plot.over.append(...plot.dots);
     this.plots.push(plot);
     this.place(plot);
+
   }
 
   /** The lines at the cursor: the values beside the title, and a dot on each line, all at one and the same time. */
@@ -153,6 +160,14 @@ export class Timeline {
     for (const other of this.plots) if (other !== plot) other.setScale('x', {min, max});
     this.zooming = false;
     for (const each of this.plots) this.place(each);
+    this.placeLane();
+  }
+
+  placeLane() {
+    const over = this.plots.at(-1)?.over;
+    if (!over) return;
+    const left = over.getBoundingClientRect().left - this.lane.element.getBoundingClientRect().left;
+    this.lane.place(left, over.clientWidth, this.range);
   }
 
   reset() {
