@@ -10,7 +10,7 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/aslio-config-versio
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/aslio-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/aslio-config-version.cmake
         DESTINATION ${aslio_package_dir})
 install(EXPORT aslio-targets NAMESPACE aslio:: DESTINATION ${aslio_package_dir})
-install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/configs ${CMAKE_CURRENT_SOURCE_DIR}/templates DESTINATION ${aslio_data_dir})
+install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/configs ${CMAKE_CURRENT_SOURCE_DIR}/tools/templates DESTINATION ${aslio_data_dir})
 
 # The contracts of the families, as sources: a project outside compiles that of its own (aslio_add_contract_test).
 install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/cmake/aslio_contract.cmake DESTINATION ${aslio_package_dir})

@@ -1,5 +1,7 @@
 # Options, warnings and code generation flags, in one place.
-option(ASLIO_BUILD_TESTS "Build the tests" ON)
+option(ASLIO_BUILD_TESTS "Build the tests; needs ASLIO_BUILD_TOOLS and ASLIO_BUILD_SIMULATOR" ${PROJECT_IS_TOP_LEVEL})
+option(ASLIO_BUILD_TOOLS "Build the program `aslio`; needs ASLIO_BUILD_SIMULATOR" ${PROJECT_IS_TOP_LEVEL})
+option(ASLIO_BUILD_SIMULATOR "Build the simulator; needs Embree, assimp and libpng" ${PROJECT_IS_TOP_LEVEL})
 option(ASLIO_WERROR "Warnings are errors" OFF)
 option(ASLIO_NATIVE "Generate code for this machine's CPU (not for binaries that travel)" OFF)
 option(ASLIO_UNITY "Compile several sources at once: a shorter first build, a longer one after a change to a single file" ON)
@@ -17,6 +19,14 @@ set_property(CACHE ASLIO_REPORT PROPERTY STRINGS AUTO ON OFF)
 set(ASLIO_RECORDINGS_DIR "${CMAKE_CURRENT_SOURCE_DIR}/../shared/data" CACHE PATH
     "Folder of recordings for the tests labelled `recordings`")
 
+foreach(part TOOLS TESTS)
+  if(ASLIO_BUILD_${part} AND NOT ASLIO_BUILD_SIMULATOR)
+    message(FATAL_ERROR "ASLIO_BUILD_${part}=ON needs the simulator: set ASLIO_BUILD_SIMULATOR=ON, or ASLIO_BUILD_${part}=OFF")
+  endif()
+endforeach()
+if(ASLIO_BUILD_TESTS AND NOT ASLIO_BUILD_TOOLS)
+  message(FATAL_ERROR "ASLIO_BUILD_TESTS=ON needs the program: set ASLIO_BUILD_TOOLS=ON, or ASLIO_BUILD_TESTS=OFF")
+endif()
 if(ASLIO_NATIVE AND ASLIO_ARCH)
   message(FATAL_ERROR "ASLIO_NATIVE=ON and ASLIO_ARCH=${ASLIO_ARCH} exclude each other: set one of them")
 endif()

@@ -199,9 +199,7 @@ void CtIcp::iterate(const HistorySelection& past, const StepContext& context) {
     const double shift = std::max((begin.p - path_.begin().p).norm(), (end.p - path_.end().p).norm());
     const bool converged = turn < enough_turn && shift < enough_shift;
     if (!converged && j + 1 < params_.max_iterations) continue;
-    // Ten times more is noise of the association; a larger motion says that the poses are still on their way.
-    const bool settled = turn < 10 * enough_turn && shift < 10 * enough_shift;
-    result_.status = settled ? UpdateStatus::ok : UpdateStatus::not_converged;
+    result_.status = status_of_last_step(settled(turn, enough_turn) && settled(shift, enough_shift));
     return accept();
   }
 }
@@ -213,9 +211,7 @@ void CtIcp::accept() {
   known.diagonal().segment<3>(0).array() += unit * params_.orientation;
   known.diagonal().segment<3>(3).array() += unit * params_.location;
   const Mat6 information = end_information(known);
-  set_spectrum(result_, information);
-  result_.left_open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
-  if (result_.status == UpdateStatus::ok && result_.left_open) result_.status = UpdateStatus::degenerate;
+  judge_view(result_, information, params_.degenerate_sigma, plan_);
   if (uses_imu()) {
     state_ = imu_.correct(prior_, path_.end(), information);
     set_path(path_.begin(), state_.pose());
@@ -285,14 +281,8 @@ void CtIcp::finish() {
     fresh_.record(static_cast<std::size_t>(residual_->rows_per_match()), records_, result_.residual_rms);
     if (!residual_->surfaces_from_map()) result_.neighbours = &fresh_.neighbours;
   }
-  result_.state = state_;
   result_.P = uses_imu() ? imu_.P() : P_;
-  result_.states = {&state_, 1};
-  result_.trajectory = &path_;
-  result_.matches = records_;
-  result_.overlap_points = frame_.world(Tap::overlap);
-  result_.map_points = frame_.world(Tap::map);
-  result_.match_points = frame_.world(Tap::match);
+  hand_over(result_, frame_, records_, state_, {&state_, 1}, path_);
 }
 
 }  // namespace aslio::plugins

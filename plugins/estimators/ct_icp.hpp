@@ -2,13 +2,14 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "estimators/begin_end.hpp"
-#include "estimators/constant_twist.hpp"
-#include "estimators/frame.hpp"
-#include "estimators/imu_track.hpp"
-#include "estimators/information_update.hpp"
-#include "estimators/point_matches.hpp"
-#include "estimators/velocity_search.hpp"
+#include "aslio/toolkit/begin_end.hpp"
+#include "aslio/toolkit/constant_twist.hpp"
+#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/imu_track.hpp"
+#include "aslio/toolkit/information_update.hpp"
+#include "aslio/toolkit/point_matches.hpp"
+#include "aslio/toolkit/registration.hpp"
+#include "aslio/toolkit/velocity_search.hpp"
 
 namespace aslio::plugins {
 

@@ -5,8 +5,8 @@
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
-#include "estimators/information_lanes.hpp"
-#include "estimators/point_matches.hpp"
+#include "aslio/toolkit/information_lanes.hpp"
+#include "aslio/toolkit/point_matches.hpp"
 
 namespace aslio::plugins {
 
@@ -88,74 +88,29 @@ void Ieskf::propagate(const Window& window) {
   state_ = state;
 }
 
-void Ieskf::MatchSet::reserve(std::size_t n, std::size_t rows_per_match, int k) {
-  if (n <= body.capacity()) return;
-  n *= 2;  // windows vary with what is in view: one that is twice as full needs no memory
-  body.reserve(n);
-  world.reserve(n);
-  range.reserve(n);
-  weight.reserve(n);
-  lag.reserve(n);
-  share.reserve(n);
-  surfaces.reserve(n);
-  rows.reserve(n * rows_per_match);
-  partials.reserve(exec::Executor::chunk_count(n, kGrain));
-  neighbours.count.reserve(n);
-  neighbours.offsets.reserve(n * static_cast<std::size_t>(k));
-  neighbours.squared.reserve(n * static_cast<std::size_t>(k));
-}
-
-void Ieskf::MatchSet::resize(std::size_t n, std::size_t rows_per_match) {
-  world.resize(n);
-  surfaces.resize(n);
-  rows.resize(n * rows_per_match);
-  partials.resize(exec::Executor::chunk_count(n, kGrain));
+void Ieskf::Points::reserve(std::size_t n, const Residual& residual) {
+  PointMatches::reserve(n, residual);
+  lag.reserve(body.capacity());
+  share.reserve(body.capacity());
+  partials.reserve(exec::Executor::chunk_count(body.capacity(), kGrain));
 }
 
 void Ieskf::reserve(std::size_t fresh, std::size_t history) {
-  const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
-  const int k = residual_->query().k;
-  fresh_.reserve(fresh, rows, k);
+  fresh_.reserve(fresh, *residual_);
   // From the first window on, although a history comes later: usually not more than two points per fresh one.
-  history_.reserve(std::max(history, fresh), rows, k);
-  if (residual_->counts_sharers()) tally_.reserve(std::max(fresh_.body.capacity(), history_.body.capacity()));
+  history_.reserve(std::max(history, fresh), *residual_);
   if (records_.capacity() < fresh) records_.reserve(2 * fresh);
 }
 
-void Ieskf::load_history(const HistorySelection& past) {
-  const Pose I_from_W = state_.pose().inverse();
-  const std::size_t n = past.points.size();
-  history_.body.resize(n);
-  history_.range.resize(n);
-  history_.weight.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    history_.body[i] = I_from_W * past.points[i].p_W;  // eq. HIS-1: seen from the prior, then held fixed
-    history_.range[i] = past.points[i].range;
-    history_.weight[i] = past.points[i].age_weight;
-  }
+void Ieskf::associate(Points& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
+  const double windows = windows_per(params_.shared_time, plan_);
+  set.associate(map, *residual_, frame_.viewpoint(at.pose()), max_stamp, feature_class::none, windows);
 }
 
-void Ieskf::place(MatchSet& set, const NavState& at) const {
-  set.resize(set.body.size(), static_cast<std::size_t>(residual_->rows_per_match()));
-  for (std::size_t i = 0; i < set.body.size(); ++i) set.world[i] = at.R * set.body[i] + at.p;
-}
-
-void Ieskf::associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
-  MapQuery query = residual_->query();
-  query.viewpoint = frame_.viewpoint(at.pose());
-  query.max_stamp = max_stamp;
-  if (residual_->surfaces_from_map()) {
-    map.surfaces(set.world, query, set.surfaces);
-    if (residual_->counts_sharers()) tally_.count(set.surfaces, windows_per(params_.shared_time, plan_));
-    return;
-  }
-  map.correspond(set.world, query, set.neighbours);
-  residual_->fit(set.world, set.neighbours, set.surfaces);
-}
-
-WindowInformation Ieskf::evaluate(MatchSet& set, const NavState& at, double gate) {
+WindowInformation Ieskf::evaluate(Points& set, const NavState& at, double gate) {
   const double squared = gate * gate;
-  residual_->evaluate(set.world, set.range, set.surfaces, sigma_, set.rows);
+  set.evaluate(*residual_, sigma_);
+  set.partials.resize(exec::Executor::chunk_count(set.body.size(), kGrain));
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
   const Mat3 Rt = at.R.transpose();
   const auto sum_of = [&](std::size_t begin, std::size_t end) {
@@ -307,8 +262,8 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   for (int j = 0; j < params_.max_iterations; ++j) {
     {
       const CpuTimer timer(search ? result_.times.associate : result_.times.solve);
-      place(fresh_, x);
-      place(history_, x);
+      fresh_.place(x.pose());
+      history_.place(x.pose());
       if (search) {
         associate(fresh_, x, context.map, 0xffffffff);
         associate(history_, x, context.map, past.max_stamp);
@@ -333,10 +288,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     // FAST-LIO2's rule searches again once the step has converged, and needs a second converged step to end.
     const int enough = params_.association == Association::on_convergence ? 2 : 1;
     if (converged_steps >= enough || j + 1 == params_.max_iterations) {
-      // A last step ten times too long is noise of the association; a longer one says that the pose is still on its
-      // way.
-      const bool settled = turn < 10 * params_.converged_deg && shift < 10 * params_.converged_m;
-      result_.status = settled ? UpdateStatus::ok : UpdateStatus::not_converged;
+      result_.status = status_of_last_step(settled(turn, params_.converged_deg) && settled(shift, params_.converged_m));
       return accept(x, P, sums, normal, past);
     }
     search = params_.association == Association::every_iteration ||
@@ -351,11 +303,8 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
                         : posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
-  set_spectrum(result_, last.fresh.A);
-  left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
-  result_.left_open = left_open_;
-  if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;
-
+  judge_view(result_, last.fresh.A, params_.degenerate_sigma, plan_);
+  left_open_ = result_.left_open;
   state_ = posterior;
   P_ = P;
   result_.accepted = true;
@@ -402,7 +351,7 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
   reserve(frame_.match_body().size(), past.points.size());
   load_fresh();
-  load_history(past);
+  history_.load(past, state_.pose());  // eq. HIS-1: seen from the prior, then held fixed
   result_.history_points = static_cast<std::uint32_t>(past.points.size());
   if (finite && context.map.size() == 0) {
     result_.status = UpdateStatus::initialising;
@@ -416,10 +365,10 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
 
 /// Residuals of the fresh points at the posterior: the normal equations are not needed any more.
 void Ieskf::record_residuals() {
-  place(fresh_, state_);
-  residual_->evaluate(fresh_.world, fresh_.range, fresh_.surfaces, sigma_, fresh_.rows);
+  fresh_.place(state_.pose());
+  fresh_.evaluate(*residual_, sigma_);
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-  record_matches(fresh_.rows, rows_per_match, records_, result_.residual_rms);
+  fresh_.record(rows_per_match, records_, result_.residual_rms);
 }
 
 void Ieskf::finish(bool predicted) {
@@ -447,14 +396,8 @@ void Ieskf::finish(bool predicted) {
     trajectory_.correct_states(states_, state_);
   }
   states_.back() = state_;
-  result_.state = state_;
   result_.P = P_;
-  result_.states = states_;
-  result_.trajectory = &trajectory_;
-  result_.matches = records_;
-  result_.overlap_points = frame_.world(Tap::overlap);
-  result_.map_points = frame_.world(Tap::map);
-  result_.match_points = frame_.world(Tap::match);
+  hand_over(result_, frame_, records_, state_, states_, trajectory_);
 }
 
 }  // namespace aslio::plugins

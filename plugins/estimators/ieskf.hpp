@@ -5,15 +5,15 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "estimators/dead_reckoning.hpp"
-#include "estimators/frame.hpp"
-#include "estimators/imu_noise.hpp"
-#include "estimators/information_update.hpp"
-#include "estimators/initial_covariance.hpp"
-#include "estimators/match_tally.hpp"
-#include "estimators/point_matches.hpp"
+#include "aslio/toolkit/dead_reckoning.hpp"
+#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/imu_noise.hpp"
+#include "aslio/toolkit/information_update.hpp"
+#include "aslio/toolkit/initial_covariance.hpp"
+#include "aslio/toolkit/point_matches.hpp"
+#include "aslio/toolkit/registration.hpp"
+#include "aslio/toolkit/velocity_search.hpp"
 #include "estimators/sensor_states.hpp"
-#include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 
@@ -72,19 +72,12 @@ class Ieskf final : public Estimator {
 
  private:
   /// Points of one class (fresh or history) during the iterations.
-  struct MatchSet {
-    std::vector<Vec3> body, world;
-    std::vector<float> range;
-    std::vector<double> weight;  ///< factor on the information of each point; empty: 1
-    std::vector<double> lag;     ///< time before the end of the window [s]; empty: rows do not depend on it
-    std::vector<double> share;   ///< of the pose error of the end that a point sees; empty: 1
-    Neighbours neighbours;
-    std::vector<Surface> surfaces;
-    std::vector<ResidualRow> rows;
+  struct Points : PointMatches {
+    std::vector<double> lag;    ///< time before the end of the window [s]; empty: rows do not depend on it
+    std::vector<double> share;  ///< of the pose error of the end that a point sees; empty: 1
     std::vector<WindowInformation> partials;
 
-    void reserve(std::size_t n, std::size_t rows_per_match, int k);
-    void resize(std::size_t n, std::size_t rows_per_match);
+    void reserve(std::size_t n, const Residual& residual);
   };
 
   /// Sums of one evaluation: information of the fresh points and of the history points (not yet weighted).
@@ -100,14 +93,11 @@ class Ieskf final : public Estimator {
   void find_velocity_alone();
   void propagate(const Window& window);
   void reserve(std::size_t fresh, std::size_t history);
-  void load_history(const HistorySelection& past);
   void iterate(const HistorySelection& past, const StepContext& context);
-  /// Points of the set in W, for the two below.
-  void place(MatchSet& set, const NavState& at) const;
   /// What the points match where `at` has placed them.
-  void associate(MatchSet& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
+  void associate(Points& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
   /// Sums over the points that lie within `gate` [m] of their surface.
-  WindowInformation evaluate(MatchSet& set, const NavState& at, double gate);
+  WindowInformation evaluate(Points& set, const NavState& at, double gate);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
   void load_fresh();
   void retrace(const NavState& at);
@@ -143,8 +133,7 @@ class Ieskf final : public Estimator {
   SeenRows seen_ = SeenRows::Zero();
   WindowTrajectory trajectory_;
   Frame frame_;
-  MatchSet fresh_, history_;
-  MatchTally tally_;
+  Points fresh_, history_;
   std::vector<NavState> states_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update

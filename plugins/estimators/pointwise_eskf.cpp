@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "aslio/core/cpu_clock.hpp"
-#include "estimators/point_matches.hpp"
+#include "aslio/toolkit/point_matches.hpp"
 
 namespace aslio::plugins {
 
@@ -345,9 +345,8 @@ void PointwiseEskf::accept(const PointwiseState& begin) {
   }
   result_.residual_rms = std::sqrt(squares / result_.fresh_matches);
   result_.nis = nis_sum_ / static_cast<double>(nis_rows_);
-  set_spectrum(result_, information_);
-  result_.left_open = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
-  result_.status = result_.left_open ? UpdateStatus::degenerate : UpdateStatus::ok;
+  result_.status = UpdateStatus::ok;
+  judge_view(result_, information_, params_.degenerate_sigma, plan_);
   if (velocity_.active()) find_velocity_alone(begin);
   dead_reckoning_.begin(now_.x.t, now_.P);
 }
@@ -361,14 +360,8 @@ void PointwiseEskf::refuse(UpdateStatus status) {
 void PointwiseEskf::finish() {
   state_ = now_.x.nav();
   frame_.place_along(trajectory_);
-  result_.state = state_;
   result_.P = to_navigation(now_.P);
-  result_.states = states_;
-  result_.trajectory = &trajectory_;
-  result_.matches = records_;
-  result_.overlap_points = frame_.world(Tap::overlap);
-  result_.map_points = frame_.world(Tap::map);
-  result_.match_points = frame_.world(Tap::match);
+  hand_over(result_, frame_, records_, state_, states_, trajectory_);
 }
 
 }  // namespace aslio::plugins

@@ -2,12 +2,13 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "estimators/dead_reckoning.hpp"
-#include "estimators/frame.hpp"
-#include "estimators/initial_covariance.hpp"
+#include "aslio/toolkit/dead_reckoning.hpp"
+#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/initial_covariance.hpp"
+#include "aslio/toolkit/registration.hpp"
+#include "aslio/toolkit/velocity_search.hpp"
 #include "estimators/knot_trajectory.hpp"
 #include "estimators/pointwise_state.hpp"
-#include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "aslio/core/mean_input.hpp"
-#include "estimators/imu_noise.hpp"
+#include "aslio/toolkit/imu_noise.hpp"
 
 namespace aslio::plugins {
 

@@ -273,14 +273,8 @@ void ScanMatcher::finish() {
   if (params_.sweep_searches > 0) {
     for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.build(frame_.world(Tap::map), kind->feature);
   }
-  result_.state = state_;
   result_.P = uses_imu() ? imu_.P() : P_;
-  result_.states = {&state_, 1};
-  result_.trajectory = &trajectory_;
-  result_.matches = records_;
-  result_.overlap_points = frame_.world(Tap::overlap);
-  result_.map_points = frame_.world(Tap::map);
-  result_.match_points = frame_.world(Tap::match);
+  hand_over(result_, frame_, records_, state_, {&state_, 1}, trajectory_);
 }
 
 }  // namespace aslio::plugins

@@ -4,11 +4,12 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "estimators/constant_twist.hpp"
-#include "estimators/frame.hpp"
-#include "estimators/imu_track.hpp"
-#include "estimators/information_update.hpp"
-#include "estimators/point_matches.hpp"
+#include "aslio/toolkit/constant_twist.hpp"
+#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/imu_track.hpp"
+#include "aslio/toolkit/information_update.hpp"
+#include "aslio/toolkit/point_matches.hpp"
+#include "aslio/toolkit/registration.hpp"
 #include "estimators/sweep_index.hpp"
 
 namespace aslio::plugins {

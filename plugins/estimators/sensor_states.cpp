@@ -101,7 +101,7 @@ SensorStates::Rows SensorStates::rows(const SeenRows& seen, const Mat3& R) const
 
 double SensorStates::squared_innovation(const StateMatrix& P, const SeenRows& seen, const Mat3& R, const SeenMatrix& A,
                                         const SeenVector& b, double weighted_sum) const {
-  return plugins::squared_innovation<kSeenDim, kAll>(joint(P), rows(seen, R), A, b, weighted_sum);
+  return aslio::squared_innovation<kSeenDim, kAll>(joint(P), rows(seen, R), A, b, weighted_sum);
 }
 
 StateVector SensorStates::step(const StateMatrix& P, const SeenRows& seen, const NavState& at, const StateVector& d,

@@ -8,7 +8,7 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/core/sensor.hpp"
 #include "aslio/stages/estimator.hpp"
-#include "estimators/information_update.hpp"
+#include "aslio/toolkit/information_update.hpp"
 
 namespace aslio::plugins {
 

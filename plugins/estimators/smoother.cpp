@@ -5,7 +5,7 @@
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
-#include "estimators/information_update.hpp"
+#include "aslio/toolkit/information_update.hpp"
 
 namespace aslio::plugins {
 
@@ -174,9 +174,7 @@ void Smoother::iterate(const StepContext& context) {
     const double enough_turn = params_.converged_deg * kRadPerDeg, enough_shift = params_.converged_m;
     const bool converged = turn < enough_turn && shift < enough_shift;
     if (!converged && j + 1 < params_.max_iterations) continue;
-    // Ten times more is noise of the association; a larger step says that the poses are still on their way.
-    const bool settled = turn < 10 * enough_turn && shift < 10 * enough_shift;
-    result_.status = settled ? UpdateStatus::ok : UpdateStatus::not_converged;
+    result_.status = status_of_last_step(settled(turn, enough_turn) && settled(shift, enough_shift));
     return accept();
   }
 }
@@ -187,10 +185,8 @@ void Smoother::accept() {
   P_ = slices_.back()->P;
   Mat6 into = Mat6::Identity();
   into.topLeftCorner<3, 3>() = state_.R;
-  set_spectrum(result_, into.transpose() * fresh.A0 * into);
-  left_open_ = leaves_open(result_.spectrum, params_.degenerate_sigma, plan_);
-  result_.left_open = left_open_;
-  if (result_.status == UpdateStatus::ok && left_open_) result_.status = UpdateStatus::degenerate;
+  judge_view(result_, into.transpose() * fresh.A0 * into, params_.degenerate_sigma, plan_);
+  left_open_ = result_.left_open;
   result_.accepted = true;
   trace_all();
   if (velocity_.active()) find_velocity_alone();
@@ -296,15 +292,9 @@ void Smoother::finish() {
   for (std::size_t i = fresh_; i < slices_.size(); ++i) slices_[i]->placed = slices_[i]->path;
   frame_.place_along(chain_);
   states_.back() = state_;
-  result_.state = state_;
   result_.P = P_;
-  result_.states = states_;
-  result_.trajectory = &chain_;
   result_.revision = this;
-  result_.matches = records_;
-  result_.overlap_points = frame_.world(Tap::overlap);
-  result_.map_points = frame_.world(Tap::map);
-  result_.match_points = frame_.world(Tap::match);
+  hand_over(result_, frame_, records_, state_, states_, chain_);
 }
 
 }  // namespace aslio::plugins

@@ -2,13 +2,14 @@
 
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "estimators/dead_reckoning.hpp"
-#include "estimators/frame.hpp"
-#include "estimators/imu_noise.hpp"
-#include "estimators/initial_covariance.hpp"
-#include "estimators/point_matches.hpp"
+#include "aslio/toolkit/dead_reckoning.hpp"
+#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/imu_noise.hpp"
+#include "aslio/toolkit/initial_covariance.hpp"
+#include "aslio/toolkit/point_matches.hpp"
+#include "aslio/toolkit/registration.hpp"
+#include "aslio/toolkit/velocity_search.hpp"
 #include "estimators/slice_path.hpp"
-#include "estimators/velocity_search.hpp"
 
 namespace aslio::plugins {
 

@@ -3,8 +3,8 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
+#include "aslio/toolkit/trim_gate.hpp"
 #include "maps/point_tree.hpp"
-#include "maps/trim_gate.hpp"
 
 namespace aslio::plugins {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "maps/cell_points.hpp"
-#include "maps/nearest.hpp"
+#include "aslio/toolkit/cell_points.hpp"
+#include "aslio/toolkit/nearest.hpp"
 
 namespace aslio::plugins {
 

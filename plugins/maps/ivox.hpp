@@ -4,9 +4,9 @@
 #include "aslio/core/cell_index.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
-#include "maps/block_pool.hpp"
-#include "maps/nearest.hpp"
-#include "maps/trim_gate.hpp"
+#include "aslio/toolkit/block_pool.hpp"
+#include "aslio/toolkit/nearest.hpp"
+#include "aslio/toolkit/trim_gate.hpp"
 
 namespace aslio::plugins {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "aslio/core/lie.hpp"
-#include "maps/nearest.hpp"
+#include "aslio/toolkit/nearest.hpp"
 
 namespace aslio::plugins {
 

@@ -5,9 +5,9 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
-#include "maps/cell_batch.hpp"
+#include "aslio/toolkit/cell_batch.hpp"
+#include "aslio/toolkit/trim_gate.hpp"
 #include "maps/chunked.hpp"
-#include "maps/trim_gate.hpp"
 
 namespace aslio::plugins {
 

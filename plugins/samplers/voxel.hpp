@@ -6,7 +6,7 @@
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
-#include "samplers/taps.hpp"
+#include "aslio/toolkit/taps.hpp"
 
 namespace aslio::plugins {
 

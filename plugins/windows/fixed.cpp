@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "windows/tiling.hpp"
+#include "aslio/toolkit/tiling.hpp"
 
 namespace aslio::plugins {
 

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "aslio/core/lie.hpp"
-#include "windows/tiling.hpp"
+#include "aslio/toolkit/tiling.hpp"
 
 namespace aslio::plugins {
 

@@ -5,7 +5,7 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/window.hpp"
-#include "windows/tiling.hpp"
+#include "aslio/toolkit/tiling.hpp"
 
 namespace aslio::plugins {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "aslio/core/errors.hpp"
-#include "windows/tiling.hpp"
+#include "aslio/toolkit/tiling.hpp"
 
 namespace aslio::plugins {
 

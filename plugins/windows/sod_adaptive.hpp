@@ -5,8 +5,8 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/window.hpp"
+#include "aslio/toolkit/tiling.hpp"
 #include "windows/segment_schedule.hpp"
-#include "windows/tiling.hpp"
 
 namespace aslio::plugins {
 

@@ -33,7 +33,7 @@ TEST_CASE("the class of a new plugin has a name of its own") {
 TEST_CASE("no type that a plugin sees has the end of the classes of new plugins") {
   const std::regex declared(R"((?:class|struct|enum|union|concept|using)\s+(\w+Stage)\b)");
   std::size_t files = 0;
-  for (const char* part : {"framework/include", "templates/plugin"}) {
+  for (const char* part : {"framework/engine/include", "framework/toolkit/include", "tools/templates/plugin"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(ASLIO_SOURCE_DIR) / part)) {
       if (entry.path().extension() != ".hpp" && entry.path().extension() != ".cpp") continue;
       ++files;

@@ -1,4 +1,4 @@
-#include "../../framework/src/io/decode/cloud.hpp"
+#include "../../framework/io/src/io/decode/cloud.hpp"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "../../framework/src/experiment/study_csv.hpp"
+#include "../../framework/lab/src/experiment/study_csv.hpp"
 #include "aslio/report/run_series.hpp"
 #include "aslio/report/study_folder.hpp"
 #include "fuzz/target.hpp"

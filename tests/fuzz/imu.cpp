@@ -1,7 +1,7 @@
 #include <cstring>
 #include <vector>
 
-#include "../../framework/src/io/decode/decode.hpp"
+#include "../../framework/io/src/io/decode/decode.hpp"
 #include "fuzz/target.hpp"
 
 // One message; then what units make of its bytes as samples of six doubles. The first byte: the declared units.

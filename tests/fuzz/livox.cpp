@@ -1,4 +1,4 @@
-#include "../../framework/src/io/decode/decode.hpp"
+#include "../../framework/io/src/io/decode/decode.hpp"
 #include "fuzz/points.hpp"
 
 // The first byte: how the message is read.

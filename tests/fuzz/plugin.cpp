@@ -1,4 +1,4 @@
-#include "../../framework/src/plugin/plugin_file.hpp"
+#include "../../framework/engine/src/plugin/plugin_file.hpp"
 #include "fuzz/target.hpp"
 
 // All that is looked at before the code of a plugin is loaded.

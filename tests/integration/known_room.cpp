@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "aslio/simulator/avia.hpp"
-#include "estimators/information_update.hpp"
-#include "estimators/initial_covariance.hpp"
+#include "aslio/toolkit/information_update.hpp"
+#include "aslio/toolkit/initial_covariance.hpp"
 #include "pipeline/runs.hpp"
 #include "plugins/estimators/room.hpp"
 
@@ -131,12 +131,12 @@ void KnownRoom::start() {
   initial.sigma_gyro_bias = setting_.sigma_gyro_bias;
   initial.sigma_acc_bias = setting_.sigma_acc_bias;
   initial.state = truth(kRoomEpoch);
-  const plugins::EstimatedStates no_calibration;
-  const StateMatrix P = plugins::initial_covariance(initial, no_calibration, initial.sigma_velocity);
+  const aslio::EstimatedStates no_calibration;
+  const StateMatrix P = aslio::initial_covariance(initial, no_calibration, initial.sigma_velocity);
   // Diagonal but for the block of g, whose part across the vertical is diagonal, too.
   StateVector error = StateVector::Zero();
   for (int i = 0; i < kStateDim; ++i) error[i] = std::sqrt(P(i, i)) * random_.normal();
-  initial.state = plugins::box_plus(initial.state, error, true);
+  initial.state = aslio::box_plus(initial.state, error, true);
   initial.state.S_w.setZero();
   initial.state.imu_delay = 0;
   estimator_->reset(initial);
@@ -176,7 +176,7 @@ const Update& KnownRoom::step() {
 }
 
 double KnownRoom::pose_nees(const Update& update) const {
-  const Vec6 error = plugins::box_minus(truth(update.state.t), update.state).head<6>();
+  const Vec6 error = aslio::box_minus(truth(update.state.t), update.state).head<6>();
   const Mat6 P = update.P.topLeftCorner<6, 6>();
   return error.dot(P.ldlt().solve(error));
 }

@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "aslio/simulator/analytic_world.hpp"
-#include "estimators/information_update.hpp"
+#include "aslio/toolkit/information_update.hpp"
 #include "pipeline/runs.hpp"
 
 using namespace aslio;

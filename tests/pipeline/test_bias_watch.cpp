@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "../../framework/src/pipeline/bias_watch.hpp"
+#include "../../framework/engine/src/pipeline/bias_watch.hpp"
 
 using namespace aslio;
 using namespace aslio::pipeline;

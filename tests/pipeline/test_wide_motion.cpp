@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "../../framework/src/pipeline/wide_motion.hpp"
+#include "../../framework/engine/src/pipeline/wide_motion.hpp"
 
 using namespace aslio;
 using namespace aslio::pipeline;

@@ -100,7 +100,7 @@ class Author(unittest.TestCase):
         every = self.root / "every"
         every.mkdir()
         text = ["cmake_minimum_required(VERSION 3.25)", "project(every LANGUAGES CXX)", "enable_testing()",
-                "set(CMAKE_BUILD_TYPE Release)", "find_package(aslio 0.1 REQUIRED)"]
+                "set(CMAKE_BUILD_TYPE Release)", "find_package(aslio 0.2 REQUIRED)"]
         families = [line for line in self.aslio("list").stdout.splitlines() if not line.startswith(" ")]
         self.assertEqual(families, list(FAMILIES))
         for family in families:

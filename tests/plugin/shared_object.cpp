@@ -197,7 +197,7 @@ TEST_CASE("Entries of another version or build are refused before their code run
   const fs::path stamp = kObjects / "wrong_stamp.so";
   CHECK_THAT(error_of(stamp), StartsWith(because(stamp,
                                                  "was built differently: it has framework 0.0.9; this program "
-                                                 "has framework 0.1.0, ")) &&
+                                                 "has framework 0.2.0, ")) &&
                                   Contains("TimedPoint 40/8") &&
                                   Contains(": build both with one compiler and one version"));
 }

@@ -9,9 +9,9 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/calibrated_sensor.hpp"
 #include "aslio/io/writers.hpp"
+#include "aslio/toolkit/initial_covariance.hpp"
 #include "command.hpp"
 #include "console.hpp"
-#include "estimators/initial_covariance.hpp"
 #include "stages.hpp"
 
 namespace aslio::cli {
@@ -51,7 +51,7 @@ struct Priors {
 };
 
 Priors priors_of(const SensorCalibration& c) {
-  const plugins::EstimatedStates usual;
+  const aslio::EstimatedStates usual;
   const auto prior = [](double sigma, double most) { return sigma > 0 ? std::min(most, rounded_up(sigma)) : most; };
   Priors out;
   for (int row = 0; row < 3; ++row) {

@@ -24,6 +24,7 @@ ROOMS = {
     "plugin": {"core", "config", "exec", "stages", "plugin"},
     "stream": {"core", "stages", "stream"},
     "pipeline": {"core", "config", "exec", "plugin", "stages", "stream", "pipeline"},
+    "toolkit": {"core", "config", "exec", "stages", "toolkit"},
     "io": {"core", "config", "exec", "io"},
     "evaluation": {"core", "evaluation"},
     "statistics": {"core", "statistics"},
@@ -31,7 +32,7 @@ ROOMS = {
                    "experiment"},
     "report": {"core", "config", "io", "evaluation", "experiment", "report"},
 }
-PLUGIN_MAY = {"core", "stages", "config", "exec"}
+PLUGIN_MAY = {"core", "stages", "config", "exec", "toolkit"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]')
 COMMENT = re.compile(r"//.*$")
 EQUATION = re.compile(r"\*\*([A-Z]+-\d+)\*\* ")
@@ -67,9 +68,9 @@ class Source:
 
     def room(self):
         """Room of the framework, or None."""
-        if self.name.startswith("framework/include/aslio/"):
-            return self.parts[3]
-        return self.parts[2] if self.name.startswith("framework/src/") else None
+        if self.parts[0] != "framework" or len(self.parts) < 5:
+            return None
+        return self.parts[4] if self.parts[2] == "include" else self.parts[3]
 
     def family(self):
         return self.parts[1] if self.parts[0] == "plugins" and len(self.parts) > 2 else None
@@ -125,7 +126,7 @@ def families_stay_apart(sources):
 
 def threads_only_in_exec(sources):
     return matching(sources, r"#\s*pragma\s+omp|[<\"]omp\.h|std::(jthread|thread|async)\b", "framework", "plugins",
-                    but=("framework/src/exec",))
+                    but=("framework/engine/src/exec",))
 
 
 def no_printing(sources):

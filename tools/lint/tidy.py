@@ -47,7 +47,7 @@ def reachable(name, seen):
     """Adds to `seen` our headers that a file includes, directly or through others."""
     path = ROOT / name
     for include in INCLUDE.findall(path.read_text(encoding="utf-8")):
-        for folder in (path.parent, ROOT / "framework/include", ROOT / "plugins", ROOT / "tools", ROOT):
+        for folder in (path.parent, *(ROOT / f"framework/{part}/include" for part in ("engine", "toolkit", "io", "evaluation", "lab")), ROOT / "plugins", ROOT / "tools", ROOT):
             candidate = (folder / include).resolve()
             if candidate.is_file() and candidate.is_relative_to(ROOT):
                 header = candidate.relative_to(ROOT).as_posix()

@@ -3,10 +3,9 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "estimators/begin_end.hpp"
+#include "aslio/toolkit/begin_end.hpp"
 
 using namespace aslio;
-using namespace aslio::plugins;
 
 namespace {
 

@@ -2,10 +2,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "estimators/frame.hpp"
+#include "aslio/toolkit/frame.hpp"
 
 using namespace aslio;
-using namespace aslio::plugins;
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "aslio/core/cpu_clock.hpp"
-#include "estimators/initial_covariance.hpp"
+#include "aslio/toolkit/initial_covariance.hpp"
 #include "plugins/estimators/room_filter.hpp"
 
 using namespace aslio;
@@ -74,7 +74,7 @@ TEST_CASE(
 
 // eq. INI-4.
 TEST_CASE("the covariance at the start: a world defined by the first pose, and nothing for what is not estimated") {
-  using plugins::EstimatedStates;
+  using aslio::EstimatedStates;
   InitialState initial;
   initial.sigma_tilt = 0.02;
   initial.sigma_gyro_bias = 3e-4;
@@ -84,7 +84,7 @@ TEST_CASE("the covariance at the start: a world defined by the first pose, and n
   const Vec3 across = up.cross(Vec3::UnitX()).normalized();
   EstimatedStates nothing;
   nothing.gravity = EstimatedStates::Gravity::fixed;
-  const StateMatrix least = plugins::initial_covariance(initial, nothing, 0.5);
+  const StateMatrix least = aslio::initial_covariance(initial, nothing, 0.5);
   StateVector diagonal = StateVector::Zero();
   diagonal.segment<3>(block::theta).setConstant(1e-8);
   diagonal.segment<3>(block::p).setConstant(1e-8);
@@ -97,13 +97,13 @@ TEST_CASE("the covariance at the start: a world defined by the first pose, and n
   all.gyro_calibration = EstimatedStates::GyroCalibration::full;
   all.time_offset = true;
   const auto along = [&](const StateMatrix& P, const Vec3& axis) { return axis.dot(gravity_block(P) * axis); };
-  const StateMatrix sphere = plugins::initial_covariance(initial, all, 0.5);
+  const StateMatrix sphere = aslio::initial_covariance(initial, all, 0.5);
   CHECK(along(sphere, across) == Approx(std::pow(0.02 * kStandardGravity, 2)));
   CHECK(std::abs(along(sphere, up)) < 1e-15);
   all.gravity = EstimatedStates::Gravity::free;
-  CHECK(along(plugins::initial_covariance(initial, all, 0.5), up) == Approx(1e-4));
+  CHECK(along(aslio::initial_covariance(initial, all, 0.5), up) == Approx(1e-4));
   all.sigma_gravity = 0.03;
-  const StateMatrix free = plugins::initial_covariance(initial, all, 0.5);
+  const StateMatrix free = aslio::initial_covariance(initial, all, 0.5);
   CHECK(along(free, up) == Approx(9e-4));
   CHECK(along(free, across) == Approx(along(sphere, across)));
   for (int row = 0; row < 3; ++row) {
@@ -114,7 +114,7 @@ TEST_CASE("the covariance at the start: a world defined by the first pose, and n
   }
   CHECK(std::sqrt(free(block::d, block::d)) == Approx(0.003));
   all.gyro_calibration = EstimatedStates::GyroCalibration::diagonal;
-  const StateMatrix scales = plugins::initial_covariance(initial, all, 0.5);
+  const StateMatrix scales = aslio::initial_covariance(initial, all, 0.5);
   CHECK(std::sqrt(scales(block::s + 4, block::s + 4)) == Approx(0.01));
   CHECK(scales(block::s + 1, block::s + 1) == 0);
 
@@ -122,18 +122,18 @@ TEST_CASE("the covariance at the start: a world defined by the first pose, and n
   all.sigma_gyro_scale = 0.002;
   all.sigma_gyro_cross = 0.001;
   all.sigma_time_offset = 0.0005;
-  const StateMatrix calibrated = plugins::initial_covariance(initial, all, 0.5);
+  const StateMatrix calibrated = aslio::initial_covariance(initial, all, 0.5);
   CHECK(std::sqrt(calibrated(block::s + 4, block::s + 4)) == Approx(0.002));
   CHECK(std::sqrt(calibrated(block::s + 5, block::s + 5)) == Approx(0.001));
   CHECK(std::sqrt(calibrated(block::d, block::d)) == Approx(0.0005));
 
   all.sigma_gyro_sensitivity = {0.001, 0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008, 0.009};  // row by row
-  const StateMatrix each = plugins::initial_covariance(initial, all, 0.5);
+  const StateMatrix each = aslio::initial_covariance(initial, all, 0.5);
   CHECK(std::sqrt(each(block::s, block::s)) == Approx(0.001));
   CHECK(std::sqrt(each(block::s + 1, block::s + 1)) == Approx(0.004));  // of a state by columns
   CHECK(std::sqrt(each(block::s + 6, block::s + 6)) == Approx(0.003));
   all.gyro_calibration = EstimatedStates::GyroCalibration::diagonal;
-  const StateMatrix three = plugins::initial_covariance(initial, all, 0.5);
+  const StateMatrix three = aslio::initial_covariance(initial, all, 0.5);
   CHECK(std::sqrt(three(block::s + 8, block::s + 8)) == Approx(0.009));
   CHECK(three(block::s + 1, block::s + 1) == 0);
 }

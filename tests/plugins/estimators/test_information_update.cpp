@@ -3,11 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "estimators/information_lanes.hpp"
-#include "estimators/information_update.hpp"
+#include "aslio/toolkit/information_lanes.hpp"
+#include "aslio/toolkit/information_update.hpp"
 
 using namespace aslio;
-using namespace aslio::plugins;
 
 namespace {
 

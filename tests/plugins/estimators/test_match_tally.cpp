@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "estimators/match_tally.hpp"
+#include "aslio/toolkit/match_tally.hpp"
 
 using namespace aslio;
 using namespace aslio::plugins;

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "estimators/point_matches.hpp"
+#include "aslio/toolkit/point_matches.hpp"
 
 using namespace aslio;
 using namespace aslio::plugins;

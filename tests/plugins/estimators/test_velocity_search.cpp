@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "estimators/velocity_search.hpp"
+#include "aslio/toolkit/velocity_search.hpp"
 
 using namespace aslio;
 using namespace aslio::plugins;

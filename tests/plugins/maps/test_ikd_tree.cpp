@@ -9,8 +9,8 @@
 #include "plugins/maps/grid_oracle.hpp"
 
 using namespace aslio;
+using aslio::Nearest;
 using plugins::IkdTree;
-using plugins::Nearest;
 using plugins::PointTree;
 
 namespace {

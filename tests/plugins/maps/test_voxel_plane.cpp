@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "aslio/core/errors.hpp"
-#include "maps/cell_batch.hpp"
+#include "aslio/toolkit/cell_batch.hpp"
 #include "plugins/maps/voxel_plane_fixture.hpp"
 
 using namespace aslio;
@@ -191,17 +191,16 @@ TEST_CASE("cells found by the batch are those of one point at a time, at every e
     for (const double half : {1.0, 1e3, 1.5 * edge * kCellLimit}) {
       for (int round = 0; round < 20; ++round) {
         std::vector<Vec3> points;
-        for (std::size_t i = 0; i < plugins::CellBatch::kSize; ++i)
-          points.push_back(uniform.in_box(Vec3::Zero(), half));
+        for (std::size_t i = 0; i < aslio::CellBatch::kSize; ++i) points.push_back(uniform.in_box(Vec3::Zero(), half));
         points[1].y() = nan, points[2].z() = -inf, points[3].x() = 1e300;
         const std::size_t count = round % 2 == 0 ? points.size() : 7;  // a full batch, and one after it that is not
-        plugins::CellBatch batch;
+        aslio::CellBatch batch;
         batch.find(
             count, [&](std::size_t i) -> const Vec3& { return points[i]; }, edge, offset);
         for (std::size_t i = 0; i < count; ++i) {
           const auto cell = cell_of(points[i] + edge * offset, 1.0 / edge);
           without += cell ? 0 : 1;
-          REQUIRE(batch.key(i) == (cell ? pack(*cell) : plugins::CellBatch::kNoCell));
+          REQUIRE(batch.key(i) == (cell ? pack(*cell) : aslio::CellBatch::kNoCell));
           if (!cell) continue;
           REQUIRE(batch.cell(i) == *cell);
           const Vec3 corner = edge * (Vec3(cell->x, cell->y, cell->z) - offset);

@@ -47,8 +47,8 @@ TEST_CASE("voxel agrees with its definition, also when taps were thinned apart, 
   test::BuildEnvironment environment;
   const auto keep = GENERATE(VoxelSampler::Keep::centre, VoxelSampler::Keep::first);
   const double leaf = GENERATE(0.05, 0.3, 2.0);
-  const auto taps = GENERATE(plugins::TapNames{"map", "match"}, plugins::TapNames{"overlap", "map", "match"},
-                             plugins::TapNames{"match"});
+  const auto taps =
+      GENERATE(aslio::TapNames{"map", "match"}, aslio::TapNames{"overlap", "map", "match"}, aslio::TapNames{"match"});
   const VoxelSampler::Params params{.leaf = leaf, .keep = keep, .taps = taps};
   VoxelSampler sampler(params, environment.context());
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {

@@ -1,4 +1,4 @@
-// The numbers of the page: differences in groups of 7 bits, see framework/include/aslio/report/encode.hpp.
+// The numbers of the page: differences in groups of 7 bits, see framework/lab/include/aslio/report/encode.hpp.
 
 export function bytesOf(text) {
   const binary = atob(text);
