@@ -2,6 +2,7 @@
 option(ASLIO_BUILD_TESTS "Build the tests; needs ASLIO_BUILD_TOOLS and ASLIO_BUILD_SIMULATOR" ${PROJECT_IS_TOP_LEVEL})
 option(ASLIO_BUILD_TOOLS "Build the program `aslio`; needs ASLIO_BUILD_SIMULATOR" ${PROJECT_IS_TOP_LEVEL})
 option(ASLIO_BUILD_SIMULATOR "Build the simulator; needs Embree, assimp and libpng" ${PROJECT_IS_TOP_LEVEL})
+option(ASLIO_SPEED_TESTS "Limits of cost as tests, label `speed`: for an optimised build on an idle machine" OFF)
 option(ASLIO_WERROR "Warnings are errors" OFF)
 option(ASLIO_NATIVE "Generate code for this machine's CPU (not for binaries that travel)" OFF)
 option(ASLIO_UNITY "Compile several sources at once: a shorter first build, a longer one after a change to a single file" ON)

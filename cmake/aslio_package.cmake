@@ -1,5 +1,5 @@
 # `cpack` in a build folder: aslio_VERSION_ARCH.deb with the program, the page of its report, the libraries and headers for
-# plugins, configs, templates and the study of the quick start. tools/package builds and tries it.
+# plugins, configs, templates and the study of the quick start. tools/release/package builds and tries it.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME aslio)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})

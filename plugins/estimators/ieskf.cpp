@@ -35,7 +35,7 @@ void Ieskf::reset(const InitialState& initial) {
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
   sensors_.reset(initial.mode == InitialMode::static_start);
   frame_.set_extrinsic(sensors_.T_imu_lidar());
-  sensors_.start_map(state_, P_);
+  sensors_.start_map(state_, params_.estimated.gravity != Gravity::fixed, P_);
   dead_reckoning_.forget();
   left_open_ = false;
   result_ = Update{};
@@ -70,7 +70,7 @@ void Ieskf::propagate(const Window& window) {
     }
     const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, {left_open_, window.imu_gap});
     motion_->propagate_covariance(state, from, to, noise, P_);
-    if (sensors_.active()) sensors_.propagate(F, state.R, from, to, P_);
+    if (sensors_.active()) sensors_.propagate(F, from, to, P_);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
     const MotionSegment segment = motion_->step(state, from, to);
     trajectory_.append(segment, state);
@@ -335,12 +335,12 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
   plan_ = window.plan;
   const StateMatrix P_before = P_;
   const NavState before = state_;
+  sensors_.begin();
   propagate(window);
   const bool finite =
       P_.allFinite() && state_.p.allFinite() && state_.v.allFinite() && state_.R.allFinite() && state_.g.allFinite();
   if (!finite) {  // back to the last finite state; the points stay as measured, and nothing is done with them
     P_ = P_before;
-    sensors_.forget_state();
     state_ = before;
     state_.t = window.plan.end;
     trajectory_.clear(state_);

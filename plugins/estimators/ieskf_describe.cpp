@@ -44,7 +44,7 @@ void Ieskf::describe(config::Binder& b, Params& p) {
          "(rotation at a 5 m lever arm)");
   b.stage("motion", p.motion, "pose and covariance between updates");
   b.stage("residual", p.residual, "what a match measures");
-  // Trials of 0.1.0 (docs/decisions.md, section "Withdrawn").
+  // Trials of 0.1.0 (docs/decisions.md, section "Tried and withdrawn").
   b.removed("dense_below", "remove it: every shipped study has it off");
   b.removed("innovation_gate", "use estimator.residual.kernel");
   b.removed("degenerate_to_prior", "remove it: map.doubt gives weak planes less weight");

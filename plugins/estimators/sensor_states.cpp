@@ -1,5 +1,7 @@
 #include "estimators/sensor_states.hpp"
 
+#include <limits>
+
 #include "aslio/core/angles.hpp"
 
 namespace aslio::plugins {
@@ -36,12 +38,12 @@ void SensorStates::reset(bool at_rest) {
   if (params_.acc_scale) known_to(kScale, params_.sigma_acc_scale);
 }
 
-void SensorStates::start_map(const NavState& at, StateMatrix& P) {
+void SensorStates::start_map(const NavState& at, bool gravity, StateMatrix& P) {
   if (!active()) return;
   Eigen::Matrix<double, kStateDim, kOwn> J = Eigen::Matrix<double, kStateDim, kOwn>::Zero();
   J.topRows<6>() = -shown(at.R);             // what the points see of pose and mounting is right
   const Vec3 g_I = at.R.transpose() * at.g;  // and g is known from where the IMU is
-  J.middleRows<3>(block::g) = -at.R * hat(g_I) * J.topRows<3>();
+  if (gravity) J.middleRows<3>(block::g) = -at.R * hat(g_I) * J.topRows<3>();
   cross_ = J * own_;
   P += J * own_ * J.transpose();
 }
@@ -58,15 +60,13 @@ ImuSample SensorStates::read(ImuSample sample) const {
   return sample;
 }
 
-void SensorStates::propagate(const StateMatrix& F, const Mat3& R, const ImuSample& from, const ImuSample& to,
-                             StateMatrix& P) {
+void SensorStates::propagate(const StateMatrix& F, const ImuSample& from, const ImuSample& to, StateMatrix& P) {
   cross_ = (F * cross_).eval();
   if (!params_.acc_scale) return;
-  const double dt = to_seconds(to.t - from.t);
-  Eigen::Matrix<double, kStateDim, 3> by_scale = Eigen::Matrix<double, kStateDim, 3>::Zero();
+  // A scale factor that is off by s shows as a bias of s times the force.
   const Vec3 force = 0.5 * (from.acc + to.acc);
-  by_scale.middleRows<3>(block::v) = -dt * (R * force.asDiagonal());
-  by_scale.middleRows<3>(block::p) = 0.5 * dt * by_scale.middleRows<3>(block::v);
+  Eigen::Matrix<double, kStateDim, 3> by_scale = F.middleCols<3>(block::b_a) * force.asDiagonal();
+  by_scale.middleRows<3>(block::b_a).setZero();
   const StateMatrix mixed = cross_.middleCols<3>(kScale) * by_scale.transpose();
   const Mat3 scale = own_.block<3, 3>(kScale, kScale);
   P += mixed + mixed.transpose() + by_scale * scale * by_scale.transpose();
@@ -122,10 +122,9 @@ StateVector SensorStates::step(const StateMatrix& P, const SeenRows& seen, const
 
 StateMatrix SensorStates::posterior(const SeenMatrix& A_new, const SeenMatrix& A_all, HistoryCovariance rule) {
   const Joint all = posterior_covariance<kSeenDim, kAll>(iterate_, seen_, A_new, A_all, rule);
-  if (all.allFinite()) {
-    own_ = all.bottomRightCorner<kOwn, kOwn>();
-    cross_ = all.topRightCorner<kStateDim, kOwn>();
-  }
+  own_ = all.bottomRightCorner<kOwn, kOwn>();
+  cross_ = all.topRightCorner<kStateDim, kOwn>();
+  if (!(own_.diagonal().minCoeff() >= 0)) return StateMatrix::Constant(std::numeric_limits<double>::quiet_NaN());
   return all.topLeftCorner<kStateDim, kStateDim>();
 }
 

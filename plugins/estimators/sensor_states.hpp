@@ -36,8 +36,9 @@ class SensorStates {
   /// open, which an error of the sensors resembles: then nothing is estimated.
   void reset(bool at_rest);
   /// An empty map: what it will hold is placed by the mounting as it is now, so that an error of the mounting is one of
-  /// the pose `at` and of gravity in the frame of the map. Adds that to `P`, the covariance of the state at the start.
-  void start_map(const NavState& at, StateMatrix& P);
+  /// the pose `at` and, where `gravity` is estimated, of gravity in the frame of the map. Adds that to `P`, the
+  /// covariance of the state at the start.
+  void start_map(const NavState& at, bool gravity, StateMatrix& P);
   /// The state is not believed: it says nothing of the sensors any more.
   void forget_state() { cross_.setZero(); }
 
@@ -46,13 +47,21 @@ class SensorStates {
   /// until the next call.
   std::span<const ImuSample> read(std::span<const ImuSample> imu);
   ImuSample read(ImuSample sample) const;
-  /// Over one interval between two samples of read(), after the motion model has taken P over it: `F` is its
-  /// transition, `R` the attitude R_W_I at its begin.
-  void propagate(const StateMatrix& F, const Mat3& R, const ImuSample& from, const ImuSample& to, StateMatrix& P);
+  /// Over one interval between two samples of read(), after the motion model has taken P over it; `F` is its
+  /// transition.
+  void propagate(const StateMatrix& F, const ImuSample& from, const ImuSample& to, StateMatrix& P);
 
-  /// Before the first iteration; restore() goes back to here.
-  void begin() { prior_ = now_; }
-  void restore() { now_ = prior_; }
+  /// restore() goes back to here: values and covariances.
+  void begin() {
+    prior_ = now_;
+    prior_own_ = own_;
+    prior_cross_ = cross_;
+  }
+  void restore() {
+    now_ = prior_;
+    own_ = prior_own_;
+    cross_ = prior_cross_;
+  }
   /// eq. IESKF-10 with what is estimated here. `R` is R_W_I of the prior.
   double squared_innovation(const StateMatrix& P, const SeenRows& seen, const Mat3& R, const SeenMatrix& A,
                             const SeenVector& b, double weighted_sum) const;
@@ -60,7 +69,7 @@ class SensorStates {
   /// step of the state. `P` is the prior's covariance, `seen` what the points see of the state.
   StateVector step(const StateMatrix& P, const SeenRows& seen, const NavState& at, const StateVector& d,
                    const SeenMatrix& A, const SeenVector& b);
-  /// Covariance of the state after the last step(), by the rule; takes on its own.
+  /// Covariance of the state after the last step(), by the rule; takes on its own. Not finite where either is none.
   StateMatrix posterior(const SeenMatrix& A_new, const SeenMatrix& A_all, HistoryCovariance rule);
 
   /// What is known now.
@@ -70,6 +79,8 @@ class SensorStates {
   static constexpr int kAll = kWithSensors,
                        kOwn = kAll - kStateDim;  ///< rotation [rad], translation [m], scale of the accelerometer
   using Vector = Eigen::Matrix<double, kOwn, 1>;
+  using Own = Eigen::Matrix<double, kOwn, kOwn>;
+  using Cross = Eigen::Matrix<double, kStateDim, kOwn>;
   using Joint = Eigen::Matrix<double, kAll, kAll>;
   using Rows = Eigen::Matrix<double, kSeenDim, kAll>;
   struct Values {
@@ -85,10 +96,10 @@ class SensorStates {
   bool active_ = false;
   Pose declared_;
   Values now_, prior_;
-  Eigen::Matrix<double, kOwn, kOwn> own_ = Eigen::Matrix<double, kOwn, kOwn>::Zero();
-  Eigen::Matrix<double, kStateDim, kOwn> cross_ = Eigen::Matrix<double, kStateDim, kOwn>::Zero();
-  Joint iterate_ = Joint::Zero();  ///< covariance that the last step() started from
-  Rows seen_ = Rows::Zero();       ///< of the last step()
+  Own own_ = Own::Zero(), prior_own_ = Own::Zero();
+  Cross cross_ = Cross::Zero(), prior_cross_ = Cross::Zero();  ///< with the state
+  Joint iterate_ = Joint::Zero();                              ///< covariance that the last step() started from
+  Rows seen_ = Rows::Zero();                                   ///< of the last step()
   std::vector<ImuSample> scaled_;
 };
 

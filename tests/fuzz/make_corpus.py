@@ -184,21 +184,23 @@ def report_inputs():
                           "metrics": {"ate_m": 0.02}, "rate_hz": {"median": 10.0}, "cpu_s": 1, "data_s": 20,
                           "calibration": {"text": "IMU delay 2 ms"}})
     manifest = json.dumps({"aslio": "0.1.0", "build": {"flags": "-O2"}, "input": {"path": "a.bag"}})
-    table = ("# small\n\n**Question.** Which?\n\n**Prediction.** b.\n\n**Rule.** Lower.\n\n1 of 2 runs. A cell.\n\n"
-             "## Expectation\n\n- it pays: **holds**\n\n## ate_m\n\n| sequence | b |\n|---|---|\n\n| method | baseline | pairs |\n"
-             "|---|---|---|\n| b | c | 1 / 0 / 0 |\n\n## Identical results\n\n- b and c\n")
+    study = json.dumps({"schema": "aslio/study_results/1", "name": "small", "question": "Which?", "prediction": "b.", "rule": "Lower.",
+                        "planned": 2, "done": 1, "metrics": ["ate_m"],
+                        "methods": [{"name": "b", "label": "B", "baseline": "c", "differs": ["map"]}],
+                        "expectation": {"overall": "holds", "rules": [{"text": "it pays", "verdict": "holds", "open": ""}]},
+                        "identical": ["b and c"]})
     statistics = ("metric,sequence,method,baseline,low,high,effect,p,p_holm,p_sequences\n"
                   "ate_m,,b,c,0.4,inf,-0.5,0.0004,0.125,0.25\n")
     run = {"runs__a__b__summary_json": summary, "runs__a__b__manifest_json": manifest,
            "runs__a__b__updates_csv": updates(12), "runs__a__b__trajectory_tum": tum(10, 12)}
     yield "study", files(results_csv=RESULTS + "a,a,1,0,b,ok,,0.05,0.2,10\na,a,1,0,c,diverged,far off,9,1,10\n",
-                         table_md=table, statistics_csv=statistics, verdict_md="# Verdict\n\n- **holds**\n", **run)
+                         study_json=study, statistics_csv=statistics, verdict_md="# Verdict\n\n- **holds**\n", **run)
     yield "course", files(results_csv=RESULTS + "a,a,1,0,b,ok,,0.05,0.2,10\n", data__a__truth_tum=tum(20, 24, 0.05),
                           data__a__overlap_csv="t,static_rays,true_overlap\n1600000000.1,9,0.5\n1600000001.0,9,0.9\n",
                           runs__a__b__timings_csv=f"t_ns,predict_s,solve_s\n{START}000000000,1e-4,5e-4\n",
                           runs__a__b__resolved_yaml="window: {type: fixed}\n", runs__a__b__map_ply=ply, **run)
     yield "hostile", files(results_csv=RESULTS + f'{"a"},"{HOSTILE.replace(chr(34), chr(34) * 2)}",1,0,b,failed,=cmd(),,,\n',
-                           table_md=f"# {HOSTILE}\n\n**Question.** {HOSTILE}\n", verdict_md=HOSTILE,
+                           study_json=json.dumps({"schema": "aslio/study_results/1", "name": HOSTILE, "question": HOSTILE}), verdict_md=HOSTILE,
                            runs__a__b__summary_json=json.dumps({"status": "failed", "notes": [HOSTILE]}))
     yield "single", files(summary_json=summary)
 

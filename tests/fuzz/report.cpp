@@ -17,7 +17,7 @@ std::size_t count(std::string_view text, std::string_view part) {
 // A study's output folder, of one run. Whatever it holds, the page is the same but for its data.
 ASLIO_FUZZ_TARGET(report) {
   const auto& at = unpacked(
-      bytes, {"results.csv", "table.md", "statistics.csv", "verdict.md", "runs/a/b/summary.json",
+      bytes, {"results.csv", "study.json", "statistics.csv", "verdict.md", "runs/a/b/summary.json",
               "runs/a/b/manifest.json", "runs/a/b/updates.csv", "runs/a/b/timings.csv", "runs/a/b/trajectory.tum",
               "runs/a/b/map.ply", "runs/a/b/resolved.yaml", "summary.json", "data/a/truth.tum", "data/a/overlap.csv"});
   accepts([&] {

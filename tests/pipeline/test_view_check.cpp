@@ -115,6 +115,18 @@ TEST_CASE("view check: nothing is judged where less than half of the view is see
   CHECK(worst(truth, truth, kSecond / 10, 0.5) >= 0);
 }
 
+TEST_CASE("view check: after a slot that could not be judged the next one says nothing") {
+  // A swing at 20 rad/s for 0.1 s, which is followed; then 4 s of the walk are missing from `cut` on.
+  const auto swing = [](double cut) {
+    return Motion([=](double t) {
+      const double turned = 20.0 * std::clamp(t - 1.0, 0.0, 0.1);
+      return Pose{exp_so3(turned * Vec3::UnitZ()), Vec3(-5 + t + (t > cut ? 4.0 : 0.0), 0.5, 0)};
+    });
+  };
+  CHECK(worst(swing(1.25), swing(9), kSecond / 10, 1.0, 70) < 0.1);
+  CHECK(worst(swing(1.45), swing(9), kSecond / 10, 1.0, 70) > 0.2);
+}
+
 TEST_CASE("view check: a turn that the run does not follow is not explained") {
   CHECK(worst(walk(0, 2.0), walk(0, 0), kSecond / 10, 0.5) > 0.1);
 }

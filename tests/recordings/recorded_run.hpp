@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "aslio/experiment/run.hpp"
-#include "cost_counts.hpp"
 
 namespace aslio::test {
 

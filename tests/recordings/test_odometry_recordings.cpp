@@ -69,24 +69,6 @@ std::vector<double> calm_rates(const std::vector<Step>& steps, const Trajectory&
   return calm;
 }
 
-/// CPU seconds per second of data, the best of three runs: whatever else runs on the machine only adds to it.
-double least_cost(const std::string& pipeline, const std::vector<std::string>& overrides) {
-  double least = run_on_avia(pipeline, 1, overrides).cpu_per_s();
-  for (int i = 0; i < 2; ++i) least = std::min(least, run_on_avia(pipeline, 1, overrides).cpu_per_s());
-  return least;
-}
-
-void check_cost(const std::string& pipeline, double limit, const std::vector<std::string>& overrides = {}) {
-  const double cost = least_cost(pipeline, overrides);
-  CHECK(cost > 0);
-  if (kCostCounts) {
-    CHECK(cost <= limit);
-  } else {
-    WARN(pipeline << ": " << cost << " s per s of data, not held against " << limit
-                  << " s: no optimised build without assertions and sanitizers");
-  }
-}
-
 /// Where a near wall fills the view of a sharp turn, updates are refused, and the status says so.
 void check_whole(const RecordedRun& run) {
   INFO(run.summary.reason);
@@ -187,67 +169,15 @@ TEST_CASE("the trajectory is the same in every bit with one thread, again, and w
   }
 }
 
-TEST_CASE("fixed_window costs at most 45 ms of one core per second of data") { check_cost("fixed_window", 0.045); }
-
-TEST_CASE("as_lio_plus costs at most 55 ms of one core per second of data") { check_cost("as_lio_plus", 0.055); }
-
 namespace {
 
-/// The overlap's share of all updates: scoring, and learning what is known. Of one run, so that it is the same on any
-/// machine and beside other work, but for chance.
-double overlap_share(const RecordedRun& run) {
-  double overlap = 0, all = 0;
-  for (const UpdateCost& cost : run.costs) {
-    overlap += cost.overlap;
-    all += cost.all;
-  }
-  return overlap / all;
-}
-
-/// 99 of 100 updates take no longer [s].
-double percentile_99(const RecordedRun& run) {
-  std::vector<double> all;
-  for (const UpdateCost& cost : run.costs) all.push_back(cost.all);
-  const auto at = all.begin() + static_cast<std::ptrdiff_t>(99 * all.size() / 100);
-  std::nth_element(all.begin(), at, all.end());
-  return *at;
-}
-
-}  // namespace
-
-TEST_CASE(
-    "the overlap takes at most 15 % of the updates with 5000 points and 30 % with all, at the paper's rates, too") {
-  for (const auto& [pipeline, overrides, limit] :
-       {std::tuple{"as_lio_plus", std::vector<std::string>{}, 0.15},
-        std::tuple{"as_lio_plus_paper_rate", std::vector<std::string>{}, 0.15},
-        std::tuple{"as_lio_plus", std::vector<std::string>{"overlap.max_points=0"}, 0.30}}) {
-    const RecordedRun run = run_on_avia(pipeline, 1, overrides);
-    CAPTURE(pipeline, limit);
-    REQUIRE(run.costs.size() == run.update_times.size());
-    const double share = overlap_share(run);
-    CHECK(share > 0.01);
-    CHECK(share <=
-          (kCostCounts ? limit : 1.5 * limit));  // a share of one run: other builds and busy machines keep near it
-  }
-}
-
-TEST_CASE("an update at the paper's rates takes at most 8 ms, 99 of 100") {
-  double least = percentile_99(run_on_avia("as_lio_plus_paper_rate"));
-  for (int i = 0; i < 2; ++i) least = std::min(least, percentile_99(run_on_avia("as_lio_plus_paper_rate")));
-  CHECK(least > 0);
-  if (kCostCounts) CHECK(least <= 0.008);
-}
-
-namespace {
-
-/// A system of the literature: at most 25 % or 1 cm above the published program on the corridor, half its cost, and
-/// next to its trajectory on the drive.
+/// A system of the literature: at most 25 % or 1 cm above the published program on the corridor, and next to its
+/// trajectory on the drive.
 struct Published {
   const char* pipeline;
-  double ate_m, cost;
+  double ate_m;
 };
-constexpr Published kFastLio2{"fast_lio2", 0.0775, 0.0245}, kFasterLio{"faster_lio", 0.0525, 0.0255},
-    kPointLio{"point_lio", 0.0663, 0.086};
+constexpr Published kFastLio2{"fast_lio2", 0.0775}, kFasterLio{"faster_lio", 0.0525}, kPointLio{"point_lio", 0.0663};
 
 void check_published(const Published& system) {
   const RecordedRun run = run_on_avia(system.pipeline);
@@ -261,14 +191,13 @@ void check_published(const Published& system) {
       run_on_kitti(system.pipeline, 1, "reference/kitti_0005/" + std::string(system.pipeline) + ".tum");
   CHECK(drive.summary.status == pipeline::RunStatus::ok);
   CHECK(drive.ate_m() <= 0.08);
-  check_cost(system.pipeline, system.cost);
 }
 
 }  // namespace
 
-TEST_CASE("fast_lio2 does as well as the published program and costs half of it") { check_published(kFastLio2); }
+TEST_CASE("fast_lio2 does as well as the published program") { check_published(kFastLio2); }
 
-TEST_CASE("fast_lio2 blind to 4 m does as well as the published program's run with that range and costs half of it") {
+TEST_CASE("fast_lio2 blind to 4 m does as well as the published program's run with that range") {
   const std::vector<std::string> blind{"samplers.0.min=4"};
   std::vector<double> ates;
   for (const std::uint64_t phase : {0, 1, 2}) {
@@ -277,12 +206,11 @@ TEST_CASE("fast_lio2 blind to 4 m does as well as the published program's run wi
     ates.push_back(run.ate_m());
   }
   CHECK(median(ates) <= 0.125);  // a quarter more than the 0.100 m of its published run
-  check_cost("fast_lio2", 0.0185, blind);
 }
 
-TEST_CASE("faster_lio does as well as the published program and costs half of it") { check_published(kFasterLio); }
+TEST_CASE("faster_lio does as well as the published program") { check_published(kFasterLio); }
 
-TEST_CASE("point_lio does as well as the published program and costs half of it") { check_published(kPointLio); }
+TEST_CASE("point_lio does as well as the published program") { check_published(kPointLio); }
 
 TEST_CASE(
     "kiss_icp follows the published program within 15 cm on the KITTI drive, and is lost on the corridor, which it "

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <vector>
 
@@ -93,16 +94,26 @@ void write_text(const fs::path& path, const std::string& text) { std::ofstream(p
 
 void write_study(const fs::path& folder) {
   const std::string bad = kHostile, quoted = "\"<img src=x onerror=fail()>&\"\"'\"";
-  write_text(
-      folder / "table.md",
-      fmt::format(
-          "# fixture\n\n**Question.** Which is better? {}\n\n**Prediction.** The second.\n\n**Rule.** Lower median.\n\n"
-          "11 of 12 runs. A cell is.\n\n## Expectation\n\nAll in all: **not decided**\n\n- it pays: **does not hold**\n"
-          "- {}: **not decided** (1 run is missing)\n\n## ate_m\n\n| sequence | fixed_10 |\n|---|---|\n\n## ate_deg\n\n"
-          "| method | baseline | sequences | pairs |\n|---|---|---|---|\n| as_lio_plus | fixed_10 | 1 / 1 / 0 | 2 / 2 "
-          "/ 0 "
-          "|\n\n## Labels\n\n- fixed_10: 10 Hz, fixed\n\n## Identical results\n\n- a and b do not differ\n",
-          kHostileText, kHostileText));
+  const nlohmann::ordered_json study = {
+      {"schema", "aslio/study_results/1"},
+      {"name", "fixture"},
+      {"question", std::string("Which is better? ") + kHostileText},
+      {"prediction", "The second."},
+      {"rule", "At most 0 of 45 runs. Lower median."},
+      {"planned", 12},
+      {"done", 11},
+      {"metrics", {"ate_m", "ate_deg"}},
+      {"methods",
+       {{{"name", "fixed_10"}, {"label", "10 Hz, fixed"}, {"baseline", nullptr}},
+        {{"name", "as_lio_plus"}, {"label", nullptr}, {"baseline", "fixed_10"}}}},
+      {"expectation",
+       {{"overall", "not decided"},
+        {"rules",
+         {{{"text", "it pays"}, {"verdict", "does not hold"}, {"open", ""}},
+          {{"text", kHostileText}, {"verdict", "not decided"}, {"open", "1 run is missing"}}}}}},
+      {"identical", nlohmann::ordered_json::array({"a and b do not differ"})}};
+  // Names in another encoding are replaced, as `aslio experiment` does.
+  write_text(folder / "study.json", study.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   write_text(folder / "verdict.md", fmt::format("# Verdict: fixture\n\n- lower median: **holds**\n- {}: **not "
                                                 "decided**\n\n| a | b |\n|---|---|\n| 1 | `2` |\n",
                                                 kHostileText));
@@ -136,9 +147,10 @@ void write_study(const fs::path& folder) {
 
 void write_long_study(const fs::path& folder) {
   constexpr double kDuration = 500;
-  write_text(folder / "table.md",
-             "# long\n\n**Question.** Does it load?\n\n**Prediction.** Yes.\n\n**Rule.** In time.\n\n"
-             "20 of 20 runs. A cell is.\n\n## ate_m\n\n| sequence | m0 |\n|---|---|\n");
+  write_text(
+      folder / "study.json",
+      R"({"schema": "aslio/study_results/1", "name": "long", "question": "Does it load?", "prediction": "Yes.", )"
+      R"("rule": "In time.", "planned": 20, "done": 20, "metrics": ["ate_m"]})");
   std::string csv = "data,sequence,seed,order_seed,method,status,reason,ate_m,ate_deg,rate_hz,cpu_s_per_s\n";
   for (const char* data : {"way_1", "way_2"}) {
     fs::create_directories(folder / "data" / data);

@@ -11,7 +11,7 @@ inline constexpr const char* kHostile = "<img src=x onerror=fail()>&\"'";
 /// In texts, which may hold more.
 inline constexpr const char* kHostileText = "</script><script>fail()</script><!-- <script> ]]> \xe2\x80\xa8 \xff end";
 
-/// Writes results.csv, table.md, verdict.md, data/ and runs/. A round of 60 s at 20 updates a second;
+/// Writes results.csv, study.json, verdict.md, data/ and runs/. A round of 60 s at 20 updates a second;
 /// `loop_1/as_lio_plus` has a map; the hostile method diverged on one recording and has left nothing on another.
 void write_study(const std::filesystem::path& folder);
 

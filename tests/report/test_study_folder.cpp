@@ -23,6 +23,9 @@ using Catch::Matchers::StartsWith;
 
 namespace {
 
+constexpr const char* kAgainstA =
+    R"({"schema": "aslio/study_results/1", "name": "s", "metrics": ["ate_m"], "methods": [{"name": "b", "baseline": "a"}]})";
+
 struct Fixture {
   TemporaryFolder folder;
   Fixture() { write_study(folder.path()); }
@@ -70,10 +73,27 @@ TEST_CASE("a study is read from what it left") {
   CHECK(study.runs[8].folder == fixture.folder.path() / "runs" / "loop_1" / kHostile);
 }
 
+TEST_CASE("a study.json that is none of ours is refused with a remedy") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "results.csv", "data,sequence,seed,order_seed,method,status,reason\n");
+  for (const char* text : {"no JSON", "[]", "{}", R"({"schema": "aslio/study_results/9"})"}) {
+    CAPTURE(text);
+    write_text(folder.path() / "study.json", text);
+    CHECK_THAT(problem(folder.path()), Contains("study.json: is no JSON of schema aslio/study_results/1") &&
+                                           Contains("run `aslio experiment` with this output folder again"));
+  }
+  // What is of another type is left out.
+  write_text(
+      folder.path() / "study.json",
+      R"({"schema": "aslio/study_results/1", "name": 7, "planned": -1, "metrics": 3, "methods": [4], "expectation": []})");
+  CHECK_FALSE(read_study_folder(folder.path()).planned.has_value());
+}
+
 TEST_CASE("a study that has just begun has a report without runs") {
   const TemporaryFolder folder;
   write_text(folder.path() / "results.csv", "data,sequence,seed,order_seed,method,status,reason\n");
-  write_text(folder.path() / "table.md", "# young\n\n**Question.** Which?\n\n0 of 12 runs. A cell is the median.\n");
+  write_text(folder.path() / "study.json",
+             R"({"schema": "aslio/study_results/1", "name": "young", "question": "Which?", "planned": 12, "done": 0})");
   const StudyFolder study = read_study_folder(folder.path());
   CHECK(study.runs.empty());
   CHECK(study.planned == 12);
@@ -220,7 +240,7 @@ TEST_CASE("order seeds and two failures count as in table.md") {
     csv += std::string("loop_1,loop,1,") + line + "\n";
   }
   write_text(folder.path() / "results.csv", csv + "loop_2,loop,2,0,a,failed,,\nloop_2,loop,2,0,b,failed,,\n");
-  write_text(folder.path() / "table.md", "# s\n\n## ate_m\n\n| method | baseline |\n|---|---|\n| b | a |\n");
+  write_text(folder.path() / "study.json", kAgainstA);
   const MetricTable ate = make_tables(read_study_folder(folder.path()), {"ate_m"}).at(0);
   REQUIRE(ate.comparisons.size() == 1);
   const Comparison& c = ate.comparisons[0];
@@ -244,7 +264,7 @@ TEST_CASE("a cell without a figure has no range, and sequences are compared over
     csv += std::string("turn_") + line[0] + ",turn," + line + "\n";
   }
   write_text(folder.path() / "results.csv", csv);
-  write_text(folder.path() / "table.md", "# s\n\n## ate_m\n\n| method | baseline |\n|---|---|\n| b | a |\n");
+  write_text(folder.path() / "study.json", kAgainstA);
   const StudyFolder study = read_study_folder(folder.path());
   const MetricTable ate = make_tables(study, {"ate_m"}).at(0);
   const std::size_t b = study.methods.at(0) == "b" ? 0 : 1;

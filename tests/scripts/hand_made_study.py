@@ -1,8 +1,10 @@
 """Output folders of aslio experiment made by hand, for the tests of tools/analysis."""
 import contextlib
 import io
+import json
 import math
 import pathlib
+import re
 import sys
 import tempfile
 import unittest
@@ -36,9 +38,9 @@ class StudyCase(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = pathlib.Path(folder.name)
 
-    def study(self, name, runs, planned=None, figures=("ate_m",), axes=(), expectation=()):
+    def study(self, name, runs, planned=None, figures=("ate_m",), axes=(), expectation=(), baselines=()):
         """`runs`: (sequence, seed, method, figures, status, values of the axes); the last two may be left out. `expectation`: lines
-        "RULE: **holds**" that the study has judged by itself."""
+        "RULE: **holds**" that the study has judged by itself. `baselines`: (method, baseline)."""
         text = ",".join(["data,sequence,seed,order_seed,method", *axes, "status,reason", *figures]) + "\n"
         for sequence, seed, method, values, *more in runs:
             status, at = more[0] if more else "ok", more[1] if len(more) > 1 else ()
@@ -46,11 +48,15 @@ class StudyCase(unittest.TestCase):
             text += ",".join(map(str, [f"{sequence}_{seed}", sequence, seed, 0, method, *at, status, "",
                                        *("" if v is None else v for v in values)])) + "\n"
         (self.root / "results.csv").write_text(text)
-        (self.root / "table.md").write_text(
-            f"# {name}\n\n**Question.** Which?\n\n**Prediction.** This.\n\n**Rule.** The lower.\n\n"
-            f"{len(runs)} of {planned or len(runs)} runs. A cell is the median\n" +
-            ("\n## Expectation\n\nAll in all: **holds**\n\n" + "".join(f"- {line}\n" for line in expectation) if expectation else "") +
-            "\n## ate_m\n\n- no claim: **holds**\n")
+        rules = [re.fullmatch(r"(.+): \*\*(.+)\*\*(?: \((.+)\))?", line).groups() for line in expectation]
+        against = dict(baselines)
+        (self.root / "study.json").write_text(json.dumps({
+            "schema": "aslio/study_results/1", "name": name, "question": "Which?", "prediction": "This.", "rule": "The lower.",
+            "planned": planned or len(runs), "done": len(runs), "metrics": list(figures[:1]),
+            "methods": [{"name": method, "label": None, "baseline": against.get(method), "differs": []}
+                        for method in dict.fromkeys(run[2] for run in runs)],
+            "expectation": {"overall": "holds", "rules": [{"text": text, "verdict": verdict, "open": left or ""} for text, verdict, left in rules]}
+            if rules else None, "identical": []}))
         return self.root
 
     def straight_truth(self, data, speed=1.0, seconds=10.0, text=""):

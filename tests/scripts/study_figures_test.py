@@ -13,9 +13,7 @@ class StudyFigures(StudyCase):
         runs = [(q, seed, m, (v * seed, 0.05 if m == "fixed_10" else 0.1)) for q, m, v in (
             ("a", "fixed_10", 0.1), ("a", "as_lio_plus", 0.05), ("b", "fixed_10", 0.2), ("b", "as_lio_plus", 0.3)) for seed in (1, 2, 3)]
         runs += [("a", 1, "it's <b>", (0.2, 0.2)), ("b", 1, "it's <b>", (None, None), "diverged")]
-        self.study("mine", runs, figures=("ate_m", "cpu_s_per_s"), **more)
-        table = self.root / "table.md"
-        table.write_text(table.read_text() + "\n## What is compared\n\n| method | against | in |\n|---|---|---|\n| as_lio_plus | fixed_10 | window |\n")
+        self.study("mine", runs, figures=("ate_m", "cpu_s_per_s"), baselines=[("as_lio_plus", "fixed_10")], **more)
         return self.root
 
     def test_every_figure_is_drawn_in_both_formats(self):

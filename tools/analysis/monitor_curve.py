@@ -14,6 +14,7 @@ import sys
 
 VIEW, VIEW_STIR, VIEW_LEAST, STIRRED = 3.3, 2.2, 0.1, 0.5
 MISFIT, MISFIT_STIRRED, ROUT, TEAR, MISMATCH, HOLD = 1.65, 1.2, 2.4, 30.0, 0.15, 0.12
+ROUT_HOLD = 0.25
 UNEXPLAINED, UNEXPLAINED_USUAL, UNEXPLAINED_JUMP, UNEXPLAINED_STIR = 0.1, 0.025, 4.0, 2.5
 FACTORS = (0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5)
 
@@ -49,7 +50,7 @@ def replayed(rows, factor):
             rout = row["misfit"] + 0.5 * max(row["overlap_loss"], 0.0) + max(row["match_loss"], 0.0)
             routed = routed + row["dt"] if rout > factor * ROUT else 0.0
             torn = torn + row["dt"] if row["velocity_pull"] > factor * TEAR else 0.0
-            alarm = alarm or max(held, routed, torn) > HOLD or row["gyro_mismatch"] > factor * MISMATCH or row["mount"] > factor
+            alarm = alarm or max(held, torn) > HOLD or routed > ROUT_HOLD or row["gyro_mismatch"] > factor * MISMATCH or row["mount"] > factor
         if alarm and segment != row["segment"]:
             out.append(row["t"])
             segment = row["segment"]

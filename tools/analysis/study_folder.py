@@ -12,6 +12,7 @@ import statistics
 
 GOOD = ("ok", "degraded")
 OUTCOMES = {"holds": True, "does not hold": False, "not decided": None}
+SCHEMA = "aslio/study_results/1"
 FIXED_COLUMNS = ("data", "sequence", "seed", "order_seed", "method")
 
 
@@ -57,16 +58,7 @@ class Study:
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
         self.runs = self._read_runs()
-        text = self._read("table.md")
-        self.name = self._found(r"^# (.+)$", text)
-        self.question = self._found(r"^\*\*Question\.\*\* (.+)$", text)
-        self.prediction = self._found(r"^\*\*Prediction\.\*\* (.+)$", text)
-        self.rule = self._found(r"^\*\*Rule\.\*\* (.+)$", text)
-        self.planned = int(self._found(r"^\d+ of (\d+) runs\.", text))
-        part = text.partition("\n## Expectation\n")[2].partition("\n## ")[0]
-        self.expectation = [(claim, OUTCOMES[outcome]) for claim, outcome in re.findall(r"^- (.+): \*\*([a-z ]+)\*\*", part, re.MULTILINE)]
-        part = text.partition("\n## What is compared\n")[2].partition("\n## ")[0]
-        self.baselines = re.findall(r"^\| ([^ |]+) \| ([^ |]+) \| (?!differs in)", part.partition("|---|")[2], re.MULTILINE)
+        self._read_study()
         self.sequences = in_order(run.sequence for run in self.runs)
         self.methods = in_order(run.method for run in self.runs)
 
@@ -76,11 +68,22 @@ class Study:
         except OSError as error:
             raise FolderError(f"{self.folder / name}: {error.strerror}: name an output folder of aslio experiment") from error
 
-    def _found(self, pattern, text):
-        match = re.search(pattern, text, re.MULTILINE)
-        if not match:
-            raise FolderError(f"{self.folder / 'table.md'}: is no table of aslio experiment: nothing matches {pattern}")
-        return match.group(1).strip()
+    def _read_study(self):
+        path = self.folder / "study.json"
+        again = "run aslio experiment with this output folder again, which keeps the runs and writes it"
+        if not path.exists() and (self.folder / "results.csv").exists():
+            raise FolderError(f"{path}: is not there: the folder is of an older version; {again}")
+        try:
+            study = json.loads(self._read("study.json"))
+            if study["schema"] != SCHEMA:
+                raise ValueError
+            self.name, self.question = study["name"], study["question"]
+            self.prediction, self.rule, self.planned = study["prediction"], study["rule"], study["planned"]
+            rules = (study["expectation"] or {"rules": []})["rules"]
+            self.expectation = [(rule["text"], OUTCOMES[rule["verdict"]]) for rule in rules]
+            self.baselines = [(method["name"], method["baseline"]) for method in study["methods"] if method["baseline"]]
+        except (ValueError, TypeError, KeyError) as error:
+            raise FolderError(f"{path}: is no JSON of schema {SCHEMA}; {again}") from error
 
     def _read_runs(self):
         lines = list(csv.reader(self._read("results.csv").splitlines()))

@@ -100,7 +100,7 @@ int report(const experiment::Study& study, StudyDisplay& display, const experime
     print_expectation(study, result);
   }
   if (!a.quiet && tables)
-    print(fmt::format("output       {}: results.csv, statistics.csv, table.md, runs, data\n", a.output));
+    print(fmt::format("output       {}: results.csv, statistics.csv, study.json, table.md, runs, data\n", a.output));
   if (failures == 0) return kSuccess;
   complain(fmt::format("{} of {} runs failed or diverged; {} tells why", failures, result.runs.size(),
                        (fs::path(a.output) / (tables ? "table.md" : "runs")).string()));

@@ -1,11 +1,10 @@
-// What the metric of the overlap may cost on sweeps of 24000 points: memory, and time against the store of the paper.
+// What the metric of the overlap may cost on sweeps of 24000 points: memory.
 // tools/benchmarks/bench_stores prints the same in milliseconds.
 #include <catch2/catch.hpp>
 #include <random>
 
 #include "aslio/core/cpu_clock.hpp"
 #include "aslio/stages/overlap.hpp"
-#include "cost_counts.hpp"
 #include "plugins/build_environment.hpp"
 #include "plugins/overlaps/one_stage.hpp"
 #include "register_all.hpp"
@@ -38,7 +37,7 @@ Cost drive(const plugin::Catalog& catalog, const std::string& store, const Build
 
 }  // namespace
 
-TEST_CASE("block_hash keeps the cells of 60 m of street in 10 MB, and costs less than the nested hash of the paper") {
+TEST_CASE("block_hash keeps the cells of 60 m of street in 10 MB, half of what the nested hash of the paper does") {
   plugin::Catalog catalog;
   plugins::register_all(catalog);
   test::BuildEnvironment environment;
@@ -47,8 +46,4 @@ TEST_CASE("block_hash keeps the cells of 60 m of street in 10 MB, and costs less
   CHECK(block.bytes > 1'000'000);
   CHECK(block.bytes <= 10'000'000);  // measured 7.1 MB
   CHECK(block.bytes < nested.bytes / 2);
-  CAPTURE(block.cpu_s, nested.cpu_s);
-  // One after the other in one process: a share that other work on the machine hardly moves. Measured 0.40 and 0.41;
-  // builds with assertions have not been measured.
-  if (test::kCostCounts) CHECK(block.cpu_s < 0.7 * nested.cpu_s);
 }

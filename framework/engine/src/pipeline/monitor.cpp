@@ -18,6 +18,7 @@ constexpr double kViewJump = 3.3, kViewStir = 2.2;  ///< factors: alone, and wit
 constexpr double kViewLeast = 0.1, kStirred = 0.5;  ///< change of the view; time after one [s]
 constexpr double kMisfit = 1.65, kMisfitStirred = 1.2, kRout = 2.4;
 constexpr double kMisfitFor = 0.12;                     ///< [s]
+constexpr double kRoutFor = 0.25;                       ///< longer than a swing past a near wall [s]
 constexpr double kTear = 30.0;                          ///< velocity that the points take or give [m/s^2]
 constexpr double kMismatch = 0.15, kTurnEnough = 0.05;  ///< of the turn; of a turn of that many (rad/s)^2
 constexpr double kWrongFor = 0.2;                       ///< [s]
@@ -243,7 +244,7 @@ void Monitor::judge(double dt) {
   misfit_for_ = misfit ? misfit_for_ + dt : 0.0;
   const bool rout = signals_.fit_rise + std::max(signals_.match_loss, 0.0) + pulled > kRout;
   rout_for_ = rout ? rout_for_ + dt : 0.0;
-  if (std::max(misfit_for_, rout_for_) > kMisfitFor) {
+  if (misfit_for_ > kMisfitFor || rout_for_ > kRoutFor) {
     raise(
         fmt::format("the points fit no longer: residuals {:.1f} times as large as usual, matches {:.1f} times as rare, "
                     "and the state pulled {:.1f} times as hard from its prediction",

@@ -22,6 +22,7 @@ ViewCheck::ViewCheck(const SensorModel& sensor)
 
 void ViewCheck::forget() {
   now_ = before_ = Slot{};
+  judged_ = false;
   last_placed_ = last_end_ = kTimeMin;
 }
 
@@ -36,7 +37,11 @@ std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const T
   const auto unexplained = compare();
   before_ = now_;
   now_ = Slot{};
-  return unexplained;
+  // Where a wall fills the view for a while, what is seen again comes and goes: a single judged slot says nothing
+  // there.
+  const bool steady = judged_;
+  judged_ = unexplained.has_value();
+  return steady ? unexplained : std::nullopt;
 }
 
 void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel& poses, std::size_t stride) {

@@ -139,17 +139,11 @@ class Tables {
     return "\n## What is compared\n\n| method | baseline | differs in |\n|---|---|---|\n" + text;
   }
 
-  /// What people read in place of a method's name: `aslio report` takes it from here.
   std::string labels() const {
     std::string text;
     for (const StudyMethod& method : study_.methods) {
-      std::string label = one_line(study_.config.methods[method.entry].label);
-      if (label.empty()) continue;
-      for (std::size_t k = 0; k < method.axes.size(); ++k) {
-        const std::string& axis = study_.axes[k];
-        label += fmt::format(", {} {}", axis.substr(axis.rfind('.') + 1), method.axes[k]);
-      }
-      text += fmt::format("- {}: {}\n", method.name, label);
+      const std::string label = method_label(study_, method);
+      if (!label.empty()) text += fmt::format("- {}: {}\n", method.name, label);
     }
     return text.empty() ? text : "\n## Labels\n\n" + text;
   }
@@ -191,6 +185,16 @@ std::string resolved_text(const Study& study) {
 
 }  // namespace
 
+std::string method_label(const Study& study, const StudyMethod& method) {
+  std::string label = one_line(study.config.methods[method.entry].label);
+  if (label.empty()) return label;
+  for (std::size_t k = 0; k < method.axes.size(); ++k) {
+    const std::string& axis = study.axes[k];
+    label += fmt::format(", {} {}", axis.substr(axis.rfind('.') + 1), method.axes[k]);
+  }
+  return label;
+}
+
 std::string results_markdown(const Study& study, const std::vector<StudyRun>& runs,
                              const std::vector<std::optional<StudyRow>>& rows) {
   return Tables(study, runs, rows).text();
@@ -207,6 +211,7 @@ void write_study_tables(const Study& study, const std::vector<StudyRun>& runs,
   write("results.csv", results_csv(study, runs, rows));
   write("statistics.csv", statistics_csv(study, StudyFigures(study, runs, rows)));
   write("table.md", results_markdown(study, runs, rows));
+  write("study.json", study_json(study, runs, rows));
 }
 
 }  // namespace aslio::experiment

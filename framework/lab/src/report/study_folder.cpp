@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Lines = std::vector<std::vector<std::string>>;
+using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 5> kFixedColumns = {"data", "sequence", "seed", "order_seed", "method"};
 
@@ -28,12 +29,6 @@ std::optional<std::size_t> index_of(const std::vector<std::string>& names, std::
 
 void add_once(std::vector<std::string>& names, const std::string& name) {
   if (!index_of(names, name)) names.push_back(name);
-}
-
-std::string trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
-  return std::string(text);
 }
 
 /// Nothing for an empty cell; throws DataError for anything else that is no finite number.
@@ -116,59 +111,78 @@ void read_runs(StudyFolder& study, const fs::path& file, const std::string& text
   }
 }
 
-/// Cells of a line of a Markdown table.
-std::vector<std::string> cells_of(std::string_view line) {
-  std::vector<std::string> cells;
-  line.remove_prefix(1);
-  for (std::size_t bar = line.find('|'); bar != std::string_view::npos; bar = line.find('|')) {
-    cells.push_back(trimmed(line.substr(0, bar)));
-    line.remove_prefix(bar + 1);
-  }
-  return cells;
+/// The text of a member; empty where it is none.
+std::string text_of(const Json& json, const char* name) {
+  const auto at = json.find(name);
+  return at != json.end() && at->is_string() ? at->get<std::string>() : std::string();
 }
 
-/// "METHOD: what people call it".
-void take_label(StudyFolder& study, const std::string& item) {
-  const std::size_t colon = item.find(": ");
-  if (colon == std::string::npos) return;
-  if (const auto method = study.method(item.substr(0, colon))) study.labels[*method] = trimmed(item.substr(colon + 2));
+/// The members of a list that are texts.
+std::vector<std::string> texts_of(const Json& json, const char* name) {
+  std::vector<std::string> out;
+  const auto at = json.find(name);
+  if (at == json.end() || !at->is_array()) return out;
+  for (const Json& item : *at) {
+    if (item.is_string()) out.push_back(item.get<std::string>());
+  }
+  return out;
 }
 
-/// Takes one line of table.md. `part`: the heading above; `comparison`: inside the table that names the baselines.
-void take_line(StudyFolder& study, const std::string& line, std::string& part, bool& comparison) {
-  const auto after = [&](std::string_view begin) -> std::optional<std::string> {
-    return line.starts_with(begin) ? std::optional(trimmed(std::string_view(line).substr(begin.size()))) : std::nullopt;
-  };
-  if (const auto name = after("# ")) study.name = *name;
-  if (const auto text = after("**Question.** ")) study.question = *text;
-  if (const auto text = after("**Prediction.** ")) study.prediction = *text;
-  if (const auto text = after("**Rule.** ")) study.rule = *text;
-  if (const auto title = after("## ")) {
-    part = *title;
-    if (study.figure(*title)) add_once(study.metrics, *title);
+void take_method(StudyFolder& study, const Json& json) {
+  if (!json.is_object()) return;
+  const auto method = study.method(text_of(json, "name")), other = study.method(text_of(json, "baseline"));
+  if (!method) return;
+  const std::string label = text_of(json, "label");
+  if (!label.empty()) study.labels[*method] = label;
+  if (other) study.baseline[*method] = other;
+}
+
+void take_rules(StudyFolder& study, const Json& expectation) {
+  if (!expectation.is_object()) return;
+  const auto rules = expectation.find("rules");
+  if (rules == expectation.end() || !rules->is_array()) return;
+  for (const Json& rule : *rules) {
+    if (!rule.is_object()) continue;
+    const std::string open = text_of(rule, "open");
+    study.expectation.push_back(fmt::format("{}: **{}**{}", text_of(rule, "text"), text_of(rule, "verdict"),
+                                            open.empty() ? open : fmt::format(" ({})", open)));
   }
-  if (const auto item = after("- ")) {
-    if (part == "Identical results") study.identical.push_back(*item);
-    if (part == "Expectation") study.expectation.push_back(*item);
-    if (part == "Labels") take_label(study, *item);
-  }
-  if (const std::size_t of = line.find(" of "); of != std::string::npos && !study.planned) {
-    std::size_t planned = 0;
-    const std::string_view rest = std::string_view(line).substr(of + 4);
-    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), planned);
-    if (error == std::errc{} && std::string_view(end, rest.data() + rest.size()).starts_with(" runs.")) {
-      study.planned = planned;
-    }
-  }
-  if (!line.starts_with("|")) {
-    comparison = false;
+}
+
+/// Throws DataError for a file that is there and is none of ours.
+void read_study_json(StudyFolder& study) {
+  const fs::path file = study.folder / "study.json";
+  const auto text = read_file(file);
+  if (!text) {
+    if (!read_file(study.folder / "results.csv")) return;  // single runs
+    study.question =
+        "study.json is missing: the folder is of an older version. Run `aslio experiment` with it again, which keeps "
+        "the "
+        "runs and writes it.";
     return;
   }
-  const auto cells = cells_of(line);
-  if (cells.size() < 2) return;
-  if (cells[0] == "method" && cells[1] == "baseline") comparison = true;
-  const auto method = study.method(cells[0]), other = study.method(cells[1]);
-  if (comparison && method && other) study.baseline[*method] = other;
+  const auto json = io::parse_json(*text);
+  if (!json || !json->is_object() || text_of(*json, "schema") != experiment::kStudyJsonSchema) {
+    throw DataError(
+        fmt::format("{}: is no JSON of schema {}: run `aslio experiment` with this output folder again, which "
+                    "keeps the runs and writes it",
+                    file.string(), experiment::kStudyJsonSchema));
+  }
+  study.name = text_of(*json, "name");
+  study.question = text_of(*json, "question");
+  study.prediction = text_of(*json, "prediction");
+  study.rule = text_of(*json, "rule");
+  if (const auto planned = json->find("planned"); planned != json->end() && planned->is_number_unsigned()) {
+    study.planned = planned->get<std::size_t>();
+  }
+  for (const std::string& metric : texts_of(*json, "metrics")) {
+    if (study.figure(metric)) add_once(study.metrics, metric);
+  }
+  if (const auto methods = json->find("methods"); methods != json->end() && methods->is_array()) {
+    for (const Json& method : *methods) take_method(study, method);
+  }
+  if (const auto expectation = json->find("expectation"); expectation != json->end()) take_rules(study, *expectation);
+  study.identical = texts_of(*json, "identical");
 }
 
 /// A study of an older version has none; numbers that are none are left out.
@@ -208,14 +222,7 @@ void read_texts(StudyFolder& study) {
   study.baseline.resize(study.methods.size());
   study.labels = study.methods;
   study.verdict = read_file(study.folder / "verdict.md").value_or("");
-  const std::string text = read_file(study.folder / "table.md").value_or("");
-  std::string part;
-  bool comparison = false;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    take_line(study, text.substr(begin, end - begin), part, comparison);
-    begin = end + 1;
-  }
+  read_study_json(study);
   if (study.name.empty()) study.name = fs::weakly_canonical(study.folder).filename().string();
   if (study.metrics.empty()) {
     for (const char* metric : {"ate_m", "ate_deg", "end_to_end_m"}) {

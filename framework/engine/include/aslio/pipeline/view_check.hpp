@@ -19,7 +19,7 @@ class ViewCheck {
 
   /// Takes the raw points of a window that ends at `t`, placed by `poses`. Once a slot is full: share of the surfaces
   /// of the slot before that are nearer or farther now than the motion explains. Nothing before, after a time without
-  /// points, or where fewer than kLeast directions are seen in both.
+  /// points, where fewer than kLeast directions are seen in both, or where the slot before could not be compared.
   std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
   /// What was seen is no longer before what comes.
   void forget();
@@ -47,6 +47,7 @@ class ViewCheck {
   SensorModel sensor_;
   TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
   Slot now_, before_;
+  bool judged_ = false;            ///< the last slot could be compared
   TimeNs last_placed_ = kTimeMin;  ///< of the points that count
   TimeNs last_end_ = kTimeMin;
 };

@@ -58,7 +58,19 @@ std::string results_csv(const Study& study, const std::vector<StudyRun>& runs,
 std::string results_markdown(const Study& study, const std::vector<StudyRun>& runs,
                              const std::vector<std::optional<StudyRow>>& rows);
 
-/// Writes results.csv, statistics.csv (study_statistics.hpp) and table.md. Throws DataError.
+/// Of study.json. A file of another schema is of another version.
+inline constexpr std::string_view kStudyJsonSchema = "aslio/study_results/1";
+
+/// study.json, for the report, the analysis scripts and other programs: the study's texts, how many runs are planned
+/// and done, its metrics, methods (label, baseline, keys that differ from it), the judged expectation, methods with
+/// identical results. The figures of the runs are in results.csv and statistics.csv.
+std::string study_json(const Study& study, const std::vector<StudyRun>& runs,
+                       const std::vector<std::optional<StudyRow>>& rows);
+
+/// What people read in place of a method's name; empty: the name.
+std::string method_label(const Study& study, const StudyMethod& method);
+
+/// Writes study.json, results.csv, statistics.csv (study_statistics.hpp) and table.md. Throws DataError.
 void write_study_tables(const Study& study, const std::vector<StudyRun>& runs,
                         const std::vector<std::optional<StudyRow>>& rows, const std::filesystem::path& output);
 

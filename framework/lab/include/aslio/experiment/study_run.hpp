@@ -71,9 +71,9 @@ std::vector<std::optional<StudyRow>> rows_so_far(const Study& study, const std::
                                                  const std::filesystem::path& output,
                                                  const std::string& recording = {});
 
-/// Makes the runs that are not finished, writes results.csv and table.md whenever the runs over a recording are done.
-/// A run that fails, crashes or exceeds a limit is a row. Throws ConfigError for an output folder that cannot be used
-/// (another study is at work there), DataError when it cannot be written.
+/// Makes the runs that are not finished, writes results.csv, statistics.csv, study.json and table.md whenever the runs
+/// over a recording are done. A run that fails, crashes or exceeds a limit is a row. Throws ConfigError for an output
+/// folder that cannot be used (another study is at work there), DataError when it cannot be written.
 StudyResult run_study(const Study& study, const StudyOptions& options, StudyMonitor& monitor);
 
 }  // namespace aslio::experiment

@@ -47,14 +47,14 @@ struct StudyFolder {
   std::vector<FolderStatistic> statistics;
   /// What the study expected, rule by rule: Markdown, "RULE: **holds**".
   std::vector<std::string> expectation;
-  std::vector<std::string> identical;  ///< what table.md tells of methods without a difference
+  std::vector<std::string> identical;  ///< what study.json says of methods without a difference
 
   /// Index in `methods`, `figures`; nothing when there is no such.
   std::optional<std::size_t> method(std::string_view name) const;
   std::optional<std::size_t> figure(std::string_view name) const;
 };
 
-/// Reads results.csv, statistics.csv, table.md and verdict.md of a study; of a folder without results.csv the run in
+/// Reads results.csv, statistics.csv, study.json and verdict.md of a study; of a folder without results.csv the run in
 /// it, or the runs in its sub-folders. Throws DataError when there is neither, or a file is not what it has to be:
 /// file, line, remedy.
 StudyFolder read_study_folder(const std::filesystem::path& folder);
