@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aslio/core/angles.hpp"
+#include "aslio/core/lie.hpp"
+
 namespace aslio::pipeline {
 
 namespace {

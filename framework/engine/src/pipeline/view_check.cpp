@@ -22,7 +22,7 @@ ViewCheck::ViewCheck(const SensorModel& sensor)
 
 void ViewCheck::forget() {
   now_ = before_ = Slot{};
-  judged_ = false;
+  judged_ = true;
   last_placed_ = last_end_ = kTimeMin;
 }
 
@@ -34,13 +34,14 @@ std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const T
   const double most = static_cast<double>(kMostPoints) * static_cast<double>(length) / static_cast<double>(slot_);
   place(points, poses, 1 + static_cast<std::size_t>(static_cast<double>(points.size()) / std::max(most, 1.0)));
   if (now_.begin == kTimeMin || t - now_.begin < slot_ - kSlack) return std::nullopt;
+  const bool first = before_.begin == kTimeMin;
   const auto unexplained = compare();
   before_ = now_;
   now_ = Slot{};
   // Where a wall fills the view for a while, what is seen again comes and goes: a single judged slot says nothing
   // there.
   const bool steady = judged_;
-  judged_ = unexplained.has_value();
+  judged_ = first || unexplained.has_value();
   return steady ? unexplained : std::nullopt;
 }
 

@@ -47,7 +47,7 @@ class ViewCheck {
   SensorModel sensor_;
   TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
   Slot now_, before_;
-  bool judged_ = false;            ///< the last slot could be compared
+  bool judged_ = true;             ///< the last slot could be compared, or had none before it
   TimeNs last_placed_ = kTimeMin;  ///< of the points that count
   TimeNs last_end_ = kTimeMin;
 };

@@ -1,0 +1,60 @@
+/// study.json as the report reads it: the texts of a study, or a refusal.
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/report/study_folder.hpp"
+#include "report/study_fixture.hpp"
+#include "temporary_folder.hpp"
+
+using namespace aslio;
+using namespace aslio::report;
+using namespace aslio::test;
+using Catch::Contains;
+
+namespace {
+
+constexpr const char* kOneRun = "data,sequence,seed,order_seed,method,status,reason,ate_m\nloop_1,loop,1,0,a,ok,,0.2\n";
+
+std::string refusal_of(const std::filesystem::path& folder) {
+  try {
+    (void)read_study_folder(folder);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a study.json that is none of ours is refused with a remedy") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "results.csv", kOneRun);
+  for (const char* text : {"no JSON", "[]", "{}", R"({"schema": "aslio/study_results/9"})"}) {
+    CAPTURE(text);
+    write_text(folder.path() / "study.json", text);
+    CHECK_THAT(refusal_of(folder.path()), Contains("study.json: is no JSON of schema aslio/study_results/1") &&
+                                              Contains("run `aslio experiment` with this output folder again"));
+  }
+}
+
+TEST_CASE("what has another type in study.json is left out") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "results.csv", kOneRun);
+  write_text(
+      folder.path() / "study.json",
+      R"({"schema": "aslio/study_results/1", "name": 7, "planned": -1, "metrics": 3, "methods": [4, {"name": "a"}], )"
+      R"("expectation": [], "identical": [1]})");
+  const StudyFolder study = read_study_folder(folder.path());
+  CHECK_FALSE(study.planned.has_value());
+  CHECK(study.labels == std::vector<std::string>{"a"});
+  CHECK((study.expectation.empty() && study.identical.empty()));
+}
+
+TEST_CASE("the folder of an older study says what completes it") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "results.csv", kOneRun);
+  CHECK_THAT(read_study_folder(folder.path()).question,
+             Contains("study.json is missing") && Contains("Run `aslio experiment` with it again"));
+}
