@@ -308,7 +308,6 @@ TEST_CASE("a course is placed in the world of the truth") {
     CHECK(series["channels"].contains(name));
   }
   CHECK(series["stages_ms"]["solve"].get<double>() == Approx(0.5));
-  // Begin, four weak views, an alarm and the loss behind it.
   CHECK(series["weak"].size() == 7);
   const auto has = [&](const char* state) {
     return std::any_of(series["weak"].begin(), series["weak"].end(),
