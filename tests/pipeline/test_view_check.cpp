@@ -49,17 +49,19 @@ class Motion final : public TrajectoryModel {
   std::function<Pose(double)> pose_;
 };
 
-/// Largest share after `after` s of 2 s of data, in windows of `window`; -1: none was found.
-double worst(const Motion& truth, const Motion& believed, TimeNs window, double after, double view_deg = 180,
-             const SensorModel& sensor = {}) {
+/// Largest share after `after` s of 2 s of data, in windows of `window`; -1: none was found. `view`: its width [deg] by
+/// the time [s].
+double worst(const Motion& truth, const Motion& believed, TimeNs window, double after,
+             const std::function<double(double)>& view, const SensorModel& sensor = {}) {
   ViewCheck check(sensor);
   std::mt19937 engine(101);
   const auto uniform = [&](double a, double b) { return a + (b - a) * static_cast<double>(engine() % 100'000) / 1e5; };
   double out = -1;
-  const double height = view_deg < 180 ? std::sin(view_deg / 360 * 3.14159) : 0.7;
   for (TimeNs end = kEpoch + window; end <= kEpoch + 2 * kSecond; end += window) {
     std::vector<TimedPoint> points;
     const auto count = static_cast<int>(100'000 * to_seconds(window));
+    const double view_deg = view(to_seconds(end - kEpoch));
+    const double height = view_deg < 180 ? std::sin(view_deg / 360 * 3.14159) : 0.7;
     for (int i = 0; i < count; ++i) {
       const TimeNs t = end - window + (i + 1) * (window / count);
       const double azimuth = uniform(-view_deg, view_deg) * 3.14159 / (view_deg < 180 ? 360 : 180);
@@ -73,6 +75,12 @@ double worst(const Motion& truth, const Motion& believed, TimeNs window, double 
     if (share && to_seconds(end - kEpoch) > after) out = std::max(out, *share);
   }
   return out;
+}
+
+double worst(const Motion& truth, const Motion& believed, TimeNs window, double after, double view_deg = 180,
+             const SensorModel& sensor = {}) {
+  return worst(
+      truth, believed, window, after, [=](double) { return view_deg; }, sensor);
 }
 
 Motion walk(double speed, double rate) {
@@ -115,17 +123,15 @@ TEST_CASE("view check: nothing is judged where less than half of the view is see
   CHECK(worst(truth, truth, kSecond / 10, 0.5) >= 0);
 }
 
-TEST_CASE("view check: after a slot that could not be judged the next one says nothing") {
-  // A swing at 20 rad/s for 0.1 s, which is followed; then 4 s of the walk are missing from `cut` on.
-  const auto swing = [](double cut) {
-    return Motion([=](double t) {
-      const double turned = 20.0 * std::clamp(t - 1.0, 0.0, 0.1);
-      return Pose{exp_so3(turned * Vec3::UnitZ()), Vec3(-5 + t, 0.5 + (t > cut ? 3.0 : 0.0), 0)};
-    });
+TEST_CASE("view check: little of the view of the last second is as little as of the slot before") {
+  // From 0.5 s on something takes most of the view; then 4 m of the walk are missing from `cut` on.
+  const auto jump = [](double cut) {
+    return Motion([=](double t) { return Pose{Mat3::Identity(), Vec3(-5 + t + (t > cut ? 4.0 : 0.0), 0.5, 0)}; });
   };
-  // The swing itself sees too little again, and so does the slot after it; the third is the first to be compared.
-  CHECK(worst(swing(1.2), swing(9), kSecond / 10, 1.0, 70) < 0.1);
-  CHECK(worst(swing(1.4), swing(9), kSecond / 10, 1.0, 70) > 0.2);
+  const auto narrowing = [](double t) { return t < 0.55 ? 120.0 : 40.0; };
+  CHECK(worst(jump(0.9), jump(9), kSecond / 10, 0.6, narrowing) < 0.1);
+  // A second later the narrow view is the usual one.
+  CHECK(worst(jump(1.75), jump(9), kSecond / 10, 1.6, narrowing) > 0.2);
 }
 
 TEST_CASE("view check: a turn that the run does not follow is not explained") {

@@ -13,7 +13,7 @@ constexpr std::uint32_t kSeen = 2;   // points that a direction needs
 constexpr float kOneSurface = 1.3F;  // farthest to nearest of one surface
 constexpr float kLoose = 0.08F;      // share of a range within which two agree, and ..
 constexpr float kLooseBy = 0.15F;    // .. so much more [m]
-constexpr double kSeenAgain = 0.45;  // least share of the directions of the slot before that are seen again
+constexpr double kSeenAgain = 0.45;  // least share of the usual view that is seen again
 
 }  // namespace
 
@@ -22,7 +22,7 @@ ViewCheck::ViewCheck(const SensorModel& sensor)
 
 void ViewCheck::forget() {
   now_ = before_ = Slot{};
-  judged_ = true;
+  n_seen_.fill(0);
   last_placed_ = last_end_ = kTimeMin;
 }
 
@@ -34,15 +34,10 @@ std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const T
   const double most = static_cast<double>(kMostPoints) * static_cast<double>(length) / static_cast<double>(slot_);
   place(points, poses, 1 + static_cast<std::size_t>(static_cast<double>(points.size()) / std::max(most, 1.0)));
   if (now_.begin == kTimeMin || t - now_.begin < slot_ - kSlack) return std::nullopt;
-  const bool first = before_.begin == kTimeMin;
   const auto unexplained = compare();
   before_ = now_;
   now_ = Slot{};
-  // Where a wall fills the view for a while, what is seen again comes and goes: a single judged slot says nothing
-  // there.
-  const bool steady = judged_;
-  judged_ = first || unexplained.has_value();
-  return steady ? unexplained : std::nullopt;
+  return unexplained;
 }
 
 void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel& poses, std::size_t stride) {
@@ -74,7 +69,7 @@ void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel&
   }
 }
 
-std::optional<double> ViewCheck::compare() const {
+std::optional<double> ViewCheck::compare() {
   const Eigen::Vector3f shift = (before_.origin - now_.origin).cast<float>();
   int seen = 0, n = 0, unexplained = 0;
   for (const Cell& was : before_.cells) {
@@ -91,8 +86,10 @@ std::optional<double> ViewCheck::compare() const {
       ++unexplained;
     }
   }
-  // Where little of the view is seen again, who walks by the lens is much of that.
-  if (n < kSeenAgain * seen) return std::nullopt;
+  n_seen_[i_seen_++ % n_seen_.size()] = seen;
+  // Where little of the view is seen again, who walks by the lens is much of that. A wall that comes close takes the
+  // view away over several slots, so the view is that of the last second.
+  if (n < kSeenAgain * *std::max_element(n_seen_.begin(), n_seen_.end())) return std::nullopt;
   return n < kLeast ? std::nullopt : std::optional(static_cast<double>(unexplained) / n);
 }
 

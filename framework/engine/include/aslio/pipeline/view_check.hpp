@@ -19,7 +19,8 @@ class ViewCheck {
 
   /// Takes the raw points of a window that ends at `t`, placed by `poses`. Once a slot is full: share of the surfaces
   /// of the slot before that are nearer or farther now than the motion explains. Nothing before, after a time without
-  /// points, where fewer than kLeast directions are seen in both, or where the slot before could not be compared.
+  /// points, where fewer than kLeast directions are seen in both, or fewer than 0.45 of those of a slot of the last
+  /// second.
   std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
   /// What was seen is no longer before what comes.
   void forget();
@@ -42,12 +43,13 @@ class ViewCheck {
     TimeNs begin = kTimeMin;
   };
   void place(std::span<const TimedPoint> points, const TrajectoryModel& poses, std::size_t stride);
-  std::optional<double> compare() const;
+  std::optional<double> compare();
 
   SensorModel sensor_;
   TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
   Slot now_, before_;
-  bool judged_ = true;             ///< the last slot could be compared, or had none before it
+  std::array<int, 10> n_seen_{};  ///< directions of the last slots, a second of them
+  std::size_t i_seen_ = 0;
   TimeNs last_placed_ = kTimeMin;  ///< of the points that count
   TimeNs last_end_ = kTimeMin;
 };
