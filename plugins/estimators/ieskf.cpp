@@ -5,7 +5,6 @@
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
-#include "aslio/toolkit/information_lanes.hpp"
 #include "aslio/toolkit/point_matches.hpp"
 
 namespace aslio::plugins {
@@ -18,15 +17,11 @@ Ieskf::Ieskf(const Params& params, const BuildContext& context)
       motion_(params.motion.make(context)),
       residual_(params.residual.make(context)),
       sensors_(params.sensors, context.sensor),
-      trajectory_(params.deskew_correction == DeskewCorrection::linear ||
-                          params.deskew_correction == DeskewCorrection::asymptotic
-                      ? WindowTrajectory::Spread::linear
-                      : WindowTrajectory::Spread::rigid),
-      frame_(context.sensor) {
-  constexpr std::size_t kImuSamples = 256;  // of a window without a gap, at any usual rate
-  trajectory_.reserve(kImuSamples);
-  states_.reserve(kImuSamples);
-}
+      path_(params.deskew_correction == DeskewCorrection::linear ||
+                    params.deskew_correction == DeskewCorrection::asymptotic
+                ? WindowTrajectory::Spread::linear
+                : WindowTrajectory::Spread::rigid),
+      frame_(context.sensor) {}
 
 void Ieskf::reset(const InitialState& initial) {
   initial_ = initial;
@@ -50,16 +45,14 @@ NavState Ieskf::predict(std::span<const ImuSample> imu) const {
 void Ieskf::propagate(const Window& window) {
   const CpuTimer timer(result_.times.predict);
   NavState state = state_;
-  begin_ = state;
-  imu_ = sensors_.read(window.imu);
-  trajectory_.clear(state);
-  states_.clear();
+  const std::span<const ImuSample> imu = sensors_.read(window.imu);
+  path_.start(state, imu);
   Eigen::Matrix<double, 3, kStateDim> turned = Eigen::Matrix<double, 3, kStateDim>::Zero();
   StateMatrix F;
   Eigen::Matrix<double, kStateDim, 12> G;
-  for (std::size_t i = 1; i < imu_.size(); ++i) {
-    const ImuSample& from = imu_[i - 1];
-    const ImuSample& to = imu_[i];
+  for (std::size_t i = 1; i < imu.size(); ++i) {
+    const ImuSample& from = imu[i - 1];
+    const ImuSample& to = imu[i];
     if (params_.deskew_correction == DeskewCorrection::state || sensors_.active()) {
       motion_->linearise(state, from, to, F, G);
     }
@@ -73,26 +66,18 @@ void Ieskf::propagate(const Window& window) {
     if (sensors_.active()) sensors_.propagate(F, from, to, P_);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
     const MotionSegment segment = motion_->step(state, from, to);
-    trajectory_.append(segment, state);
-    states_.push_back(state);
+    path_.append(segment, state);
   }
   state.t = window.plan.end;
   // eq. DSK-3: pose at the end; mean error of the rate over the window; velocity at the end.
   seen_.setZero();
   seen_.topLeftCorner<6, 6>().setIdentity();
-  seen_.middleRows<3>(6) = turned / std::max(to_seconds(state.t - begin_.t), 1e-6);
+  seen_.middleRows<3>(6) = turned / std::max(to_seconds(state.t - path_.begin().t), 1e-6);
   seen_.block<3, 3>(9, block::v).setIdentity();
-  if (states_.empty()) states_.push_back(state);
-  if (hold_calibration(imu_, P_)) sensors_.forget_state();
+  path_.close(state);
+  if (hold_calibration(imu, P_)) sensors_.forget_state();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   state_ = state;
-}
-
-void Ieskf::Points::reserve(std::size_t n, const Residual& residual) {
-  PointMatches::reserve(n, residual);
-  lag.reserve(body.capacity());
-  share.reserve(body.capacity());
-  partials.reserve(exec::Executor::chunk_count(body.capacity(), kGrain));
 }
 
 void Ieskf::reserve(std::size_t fresh, std::size_t history) {
@@ -102,38 +87,9 @@ void Ieskf::reserve(std::size_t fresh, std::size_t history) {
   if (records_.capacity() < fresh) records_.reserve(2 * fresh);
 }
 
-void Ieskf::associate(Points& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
+void Ieskf::associate(WindowMatches& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
   const double windows = windows_per(params_.shared_time, plan_);
   set.associate(map, *residual_, frame_.viewpoint(at.pose()), max_stamp, feature_class::none, windows);
-}
-
-WindowInformation Ieskf::evaluate(Points& set, const NavState& at, double gate) {
-  const double squared = gate * gate;
-  set.evaluate(*residual_, sigma_);
-  set.partials.resize(exec::Executor::chunk_count(set.body.size(), kGrain));
-  const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-  const Mat3 Rt = at.R.transpose();
-  const auto sum_of = [&](std::size_t begin, std::size_t end) {
-    WindowInformation sum;
-    InformationLanes lanes(Rt);
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto rows = std::span<const ResidualRow>(set.rows).subspan(i * rows_per_match, rows_per_match);
-      if (!within(rows, squared)) continue;
-      for (const ResidualRow& z : rows) {
-        if (!z.takes_part()) continue;
-        const double information = (set.weight.empty() ? 1.0 : set.weight[i]) * z.information;
-        if (set.lag.empty()) {
-          lanes.add(set.body[i], z.J, z.r, information, set.share.empty() ? 1.0 : set.share[i]);  // eq. IESKF-1
-        } else {
-          sum.add_late(set.body[i], Rt, z.J, z.r, information, set.lag[i]);
-        }
-      }
-    }
-    static_cast<PoseInformation&>(sum) += lanes.total();
-    return sum;
-  };
-  return exec_.reduce(set.body.size(), kGrain, WindowInformation{}, std::span<WindowInformation>(set.partials), sum_of,
-                      [](WindowInformation& total, const WindowInformation& part) { total += part; });
 }
 
 /// The normal equations of what the points see (eq. DSK-3).
@@ -151,44 +107,13 @@ void Ieskf::observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) 
 }
 
 void Ieskf::load_fresh() {
-  fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
-  fresh_.range.assign(frame_.match_range().begin(), frame_.match_range().end());
-  fresh_.lag.clear();
-  fresh_.share.clear();
-  const TimeNs end = trajectory_.predicted_end().t;
+  fresh_.load(frame_);
+  const WindowTrajectory& trajectory = path_.trajectory();
+  const TimeNs end = trajectory.predicted_end().t;
   for (const TimeNs t : frame_.match_time()) {
     if (params_.deskew_correction == DeskewCorrection::state) fresh_.lag.push_back(to_seconds(end - t));
-    if (params_.deskew_correction == DeskewCorrection::linear) fresh_.share.push_back(trajectory_.share(t));
+    if (params_.deskew_correction == DeskewCorrection::linear) fresh_.share.push_back(trajectory.share(t));
   }
-}
-
-/// The trajectory that ends in `at` when the IMU is read with its biases and calibration.
-void Ieskf::retrace(const NavState& at) {
-  NavState start = begin_;
-  start.b_w = at.b_w;
-  start.b_a = at.b_a;
-  start.g = at.g;
-  start.S_w = at.S_w;
-  start.imu_delay = at.imu_delay;
-  NavState end = start;
-  for (std::size_t i = 1; i < imu_.size(); ++i) motion_->step(end, imu_[i - 1], imu_[i]);
-  // Turned by Q as a whole, all velocities but those from gravity turn with it.
-  const Mat3 Q = at.R * end.R.transpose();
-  const Vec3 fallen = to_seconds(end.t - start.t) * at.g;
-  start.R = orthonormalised(Q * start.R);
-  start.v = at.v - Q * (end.v - start.v - fallen) - fallen;
-  NavState state = start;
-  trajectory_.clear(start);
-  states_.clear();
-  for (std::size_t i = 1; i < imu_.size(); ++i) {
-    const MotionSegment segment = motion_->step(state, imu_[i - 1], imu_[i]);
-    trajectory_.append(segment, state);
-    states_.push_back(state);
-  }
-  const Vec3 by = at.p - state.p;
-  trajectory_.shift(by);
-  for (NavState& inside : states_) inside.p += by;
-  if (states_.empty()) states_.push_back(at);
 }
 
 /// Brings the fresh points to the end of the window again, as the iterate says.
@@ -196,18 +121,19 @@ void Ieskf::follow(const NavState& at) {
   const CpuTimer timer(result_.times.deskew, result_.times.solve);
   if (sensors_.active()) frame_.set_extrinsic(sensors_.T_imu_lidar());
   if (params_.deskew_correction == DeskewCorrection::state) {
-    retrace(at);
-    frame_.deskew_matches(trajectory_);
+    path_.repropagate(*motion_, at);
+    frame_.deskew_matches(path_.trajectory());
     fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
     return;
   }
-  trajectory_.correct(at.pose());
+  WindowTrajectory& trajectory = path_.trajectory();
+  trajectory.correct(at.pose());
   if (sensors_.active()) {
-    frame_.deskew_matches(trajectory_);
+    frame_.deskew_matches(path_.trajectory());
     fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
   }
-  if (trajectory_.spread() == WindowTrajectory::Spread::rigid) return;
-  trajectory_.to_end(
+  if (trajectory.spread() == WindowTrajectory::Spread::rigid) return;
+  trajectory.to_end(
       fresh_.body.size(), [&](std::size_t i) -> const Vec3& { return frame_.match_body()[i]; },
       [&](std::size_t i) { return frame_.match_time()[i]; }, [&](std::size_t i, const Vec3& p) { fresh_.body[i] = p; });
 }
@@ -220,8 +146,8 @@ std::int64_t Ieskf::matches(const WindowInformation& sum) const {
 /// All residuals at the iterate.
 Ieskf::Evaluation Ieskf::measure(const NavState& at, const StepContext& context) {
   Evaluation sums;
-  sums.fresh = evaluate(fresh_, at, std::numeric_limits<double>::infinity());
-  sums.history = evaluate(history_, at, context.histories.gate(sigma_));
+  sums.fresh = fresh_.sum_up(*residual_, sigma_, at, std::numeric_limits<double>::infinity(), exec_);
+  sums.history = history_.sum_up(*residual_, sigma_, at, context.histories.gate(sigma_), exec_);
   result_.fresh_matches = static_cast<std::uint32_t>(matches(sums.fresh));
   result_.history_matches = static_cast<std::uint32_t>(matches(sums.history));
   return sums;
@@ -343,12 +269,12 @@ const Update& Ieskf::update(const Window& window, const HistorySelection& past, 
     P_ = P_before;
     state_ = before;
     state_.t = window.plan.end;
-    trajectory_.clear(state_);
-    states_.assign(1, state_);
+    path_.start(state_, {});
+    path_.close(state_);
     refuse(UpdateStatus::non_finite);
   }
   result_.prior = state_;
-  frame_.load(window.fresh, trajectory_, context.samplers, result_.times);
+  frame_.load(window.fresh, path_.trajectory(), context.samplers, result_.times);
   reserve(frame_.match_body().size(), past.points.size());
   load_fresh();
   history_.load(past, state_.pose());  // eq. HIS-1: seen from the prior, then held fixed
@@ -374,18 +300,18 @@ void Ieskf::record_residuals() {
 void Ieskf::finish(bool predicted) {
   if (params_.deskew_correction == DeskewCorrection::state) {
     const CpuTimer timer(result_.times.deskew);
-    if (!result_.accepted && predicted) retrace(state_);  // an iteration may have left another one
-    frame_.deskew(trajectory_);
+    if (!result_.accepted && predicted) path_.repropagate(*motion_, state_);  // an iteration may have left another one
+    frame_.deskew(path_.trajectory());
   }
   if (sensors_.active()) {
     const CpuTimer timer(result_.times.deskew);
     frame_.set_extrinsic(sensors_.T_imu_lidar());
-    if (predicted) frame_.deskew(trajectory_);
+    if (predicted) frame_.deskew(path_.trajectory());
     result_.sensor = sensors_.estimate();
   }
   const CpuTimer timer(result_.times.solve);
-  trajectory_.correct(state_.pose());
-  frame_.place(trajectory_);
+  path_.trajectory().correct(state_.pose());
+  frame_.place(path_.trajectory());
   if (result_.accepted) {
     record_residuals();
     if (!residual_->surfaces_from_map()) result_.neighbours = &fresh_.neighbours;
@@ -393,11 +319,11 @@ void Ieskf::finish(bool predicted) {
     records_.assign(fresh_.body.size(), MatchRecord{});
   }
   if (result_.accepted && params_.deskew_correction != DeskewCorrection::state) {
-    trajectory_.correct_states(states_, state_);
+    path_.trajectory().correct_states(path_.states(), state_);
   }
-  states_.back() = state_;
+  path_.states().back() = state_;
   result_.P = P_;
-  hand_over(result_, frame_, records_, state_, states_, trajectory_);
+  hand_over(result_, frame_, records_, state_, path_.states(), path_.trajectory());
 }
 
 }  // namespace aslio::plugins

@@ -6,14 +6,14 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/toolkit/dead_reckoning.hpp"
-#include "aslio/toolkit/frame.hpp"
 #include "aslio/toolkit/imu_noise.hpp"
 #include "aslio/toolkit/information_update.hpp"
 #include "aslio/toolkit/initial_covariance.hpp"
-#include "aslio/toolkit/point_matches.hpp"
 #include "aslio/toolkit/registration.hpp"
 #include "aslio/toolkit/velocity_search.hpp"
 #include "estimators/sensor_states.hpp"
+#include "estimators/window_matches.hpp"
+#include "estimators/window_path.hpp"
 
 namespace aslio::plugins {
 
@@ -71,15 +71,6 @@ class Ieskf final : public Estimator {
   NavState predict(std::span<const ImuSample> imu) const override;
 
  private:
-  /// Points of one class (fresh or history) during the iterations.
-  struct Points : PointMatches {
-    std::vector<double> lag;    ///< time before the end of the window [s]; empty: rows do not depend on it
-    std::vector<double> share;  ///< of the pose error of the end that a point sees; empty: 1
-    std::vector<WindowInformation> partials;
-
-    void reserve(std::size_t n, const Residual& residual);
-  };
-
   /// Sums of one evaluation: information of the fresh points and of the history points (not yet weighted).
   struct Evaluation {
     WindowInformation fresh, history;
@@ -95,12 +86,9 @@ class Ieskf final : public Estimator {
   void reserve(std::size_t fresh, std::size_t history);
   void iterate(const HistorySelection& past, const StepContext& context);
   /// What the points match where `at` has placed them.
-  void associate(Points& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
-  /// Sums over the points that lie within `gate` [m] of their surface.
-  WindowInformation evaluate(Points& set, const NavState& at, double gate);
+  void associate(WindowMatches& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
   void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
   void load_fresh();
-  void retrace(const NavState& at);
   void follow(const NavState& at);
   std::int64_t matches(const WindowInformation& sum) const;
   Evaluation measure(const NavState& at, const StepContext& context);
@@ -128,13 +116,10 @@ class Ieskf final : public Estimator {
   DeadReckoning dead_reckoning_;
   bool left_open_ = false;  ///< the last update left a direction open, or was refused after others were not
 
-  std::span<const ImuSample> imu_;  ///< of the window
-  NavState begin_;                  ///< state at its begin
   SeenRows seen_ = SeenRows::Zero();
-  WindowTrajectory trajectory_;
+  WindowPath path_;
   Frame frame_;
-  Points fresh_, history_;
-  std::vector<NavState> states_;
+  WindowMatches fresh_, history_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update
   Update result_;
