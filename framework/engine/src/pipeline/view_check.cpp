@@ -13,7 +13,8 @@ constexpr std::uint32_t kSeen = 2;   // points that a direction needs
 constexpr float kOneSurface = 1.3F;  // farthest to nearest of one surface
 constexpr float kLoose = 0.08F;      // share of a range within which two agree, and ..
 constexpr float kLooseBy = 0.15F;    // .. so much more [m]
-constexpr double kSeenAgain = 0.45;  // least share of the usual view that is seen again
+constexpr double kSeenAgain = 0.45;  // least share of the directions of the slot before that are seen again, and ..
+constexpr double kOfUsual = 0.55;    // .. of the most that were seen again in a slot of the last second
 
 }  // namespace
 
@@ -22,7 +23,7 @@ ViewCheck::ViewCheck(const SensorModel& sensor)
 
 void ViewCheck::forget() {
   now_ = before_ = Slot{};
-  n_seen_.fill(0);
+  n_again_.fill(0);
   last_placed_ = last_end_ = kTimeMin;
 }
 
@@ -86,10 +87,11 @@ std::optional<double> ViewCheck::compare() {
       ++unexplained;
     }
   }
-  n_seen_[i_seen_++ % n_seen_.size()] = seen;
+  n_again_[i_again_++ % n_again_.size()] = n;
   // Where little of the view is seen again, who walks by the lens is much of that. A wall that comes close takes the
-  // view away over several slots, so the view is that of the last second.
-  if (n < kSeenAgain * *std::max_element(n_seen_.begin(), n_seen_.end())) return std::nullopt;
+  // view away over several slots.
+  const int usual = *std::max_element(n_again_.begin(), n_again_.end());
+  if (n < kSeenAgain * seen || n < kOfUsual * usual) return std::nullopt;
   return n < kLeast ? std::nullopt : std::optional(static_cast<double>(unexplained) / n);
 }
 

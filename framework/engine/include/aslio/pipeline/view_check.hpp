@@ -48,8 +48,8 @@ class ViewCheck {
   SensorModel sensor_;
   TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
   Slot now_, before_;
-  std::array<int, 10> n_seen_{};  ///< directions of the last slots, a second of them
-  std::size_t i_seen_ = 0;
+  std::array<int, 10> n_again_{};  ///< directions seen again in the last slots, a second of them
+  std::size_t i_again_ = 0;
   TimeNs last_placed_ = kTimeMin;  ///< of the points that count
   TimeNs last_end_ = kTimeMin;
 };
