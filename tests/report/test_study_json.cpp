@@ -4,7 +4,9 @@
 #include <string>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/report/page.hpp"
 #include "aslio/report/study_folder.hpp"
+#include "aslio/report/table.hpp"
 #include "report/study_fixture.hpp"
 #include "temporary_folder.hpp"
 
@@ -52,9 +54,14 @@ TEST_CASE("what has another type in study.json is left out") {
   CHECK((study.expectation.empty() && study.identical.empty()));
 }
 
-TEST_CASE("the folder of an older study says what completes it") {
+TEST_CASE("the folder of an older study is incomplete and says what completes it") {
   const TemporaryFolder folder;
   write_text(folder.path() / "results.csv", kOneRun);
-  CHECK_THAT(read_study_folder(folder.path()).question,
-             Contains("study.json is missing") && Contains("Run `aslio experiment` with it again"));
+  const StudyFolder older = read_study_folder(folder.path());
+  CHECK_THAT(older.incomplete, Contains("study.json is missing") && Contains("Run `aslio experiment` with it again"));
+  CHECK(older.question.empty());  // which the study has not asked
+  CHECK_THAT(make_page(older, Bundle()), Contains("\"incomplete\":\"study.json is missing"));
+  CHECK_THAT(to_markdown(older), Contains("Incomplete") && Contains("study.json is missing"));
+  write_text(folder.path() / "study.json", R"({"schema": "aslio/study_results/1", "name": "whole"})");
+  CHECK(read_study_folder(folder.path()).incomplete.empty());
 }

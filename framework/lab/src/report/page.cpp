@@ -334,6 +334,7 @@ Json study_json(const StudyFolder& study, const PageLimits& limits, std::size_t 
                {"rule", study.rule},
                {"verdict", study.verdict},
                {"expectation", study.expectation},
+               {"incomplete", study.incomplete},
                {"identical", study.identical},
                {"planned", study.planned.value_or(study.runs.size())},
                {"axes", study.axes},

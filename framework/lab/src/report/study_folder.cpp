@@ -155,10 +155,9 @@ void read_study_json(StudyFolder& study) {
   const auto text = read_file(file);
   if (!text) {
     if (!read_file(study.folder / "results.csv")) return;  // single runs
-    study.question =
+    study.incomplete =
         "study.json is missing: the folder is of an older version. Run `aslio experiment` with it again, which keeps "
-        "the "
-        "runs and writes it.";
+        "the runs and writes it.";
     return;
   }
   const auto json = io::parse_json(*text);

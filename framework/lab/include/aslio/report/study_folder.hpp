@@ -47,6 +47,7 @@ struct StudyFolder {
   std::vector<FolderStatistic> statistics;
   /// What the study expected, rule by rule: Markdown, "RULE: **holds**".
   std::vector<std::string> expectation;
+  std::string incomplete;              ///< what the folder lacks and what completes it; empty when it is whole
   std::vector<std::string> identical;  ///< what study.json says of methods without a difference
 
   /// Index in `methods`, `figures`; nothing when there is no such.
