@@ -10,11 +10,11 @@
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
-#include "aslio/core/markup.hpp"
 #include "aslio/evaluation/evaluation.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/io/json.hpp"
+#include "aslio/io/markup.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/report/encode.hpp"
 #include "placement.hpp"
@@ -132,9 +132,9 @@ Json path_json(std::span<const StampedPose> poses, TimeNs origin, const std::vec
   }
   Json json = {{"t", packed_numbers(t, kTimeUnit)}};
   put_vectors(json, {"x", "y", "z"}, positions, kLengthUnit);
-  json["q"] = base64(rotations);
+  json["q"] = io::base64(rotations);
   if (!errors.empty()) put_vectors(json, {"dx", "dy", "dz"}, kept_errors, kErrorUnit);
-  if (std::find(known.begin(), known.end(), 0) != known.end()) json["known"] = base64(known);
+  if (std::find(known.begin(), known.end(), 0) != known.end()) json["known"] = io::base64(known);
   return json;
 }
 
