@@ -302,6 +302,9 @@ void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits,
     Json recording;
     if (!data.contains(run.data)) {
       recording = data_json(study, run.data, truth);
+      if (const auto note = recording.find("unreadable"); note != recording.end()) {
+        unreadable.push_back(note->get<std::string>());
+      }
       bytes += size_of(recording);
     }
     if (bytes > left) break;

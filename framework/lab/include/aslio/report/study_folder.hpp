@@ -60,9 +60,6 @@ struct StudyFolder {
 /// file, line, remedy.
 StudyFolder read_study_folder(const std::filesystem::path& folder);
 
-/// Lines of comma-separated cells, quotes undone. A line feed inside quotes belongs to the cell.
-std::vector<std::vector<std::string>> parse_csv(std::string_view text);
-
 /// A file's content; nothing when it cannot be opened.
 std::optional<std::string> read_file(const std::filesystem::path& path);
 
