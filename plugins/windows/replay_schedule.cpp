@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/input_file.hpp"
 #include "aslio/core/spread.hpp"
@@ -21,39 +22,29 @@ namespace aslio::plugins {
 
 namespace {
 
-/// Field `index` of a line, without blanks around it; nothing when the line has fewer.
-std::optional<std::string_view> field(std::string_view line, std::size_t index) {
-  for (; index > 0; --index) {
-    const std::size_t comma = line.find(',');
-    if (comma == std::string_view::npos) return std::nullopt;
-    line.remove_prefix(comma + 1);
-  }
-  line = line.substr(0, line.find(','));
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!line.empty() && blank(line.front())) line.remove_prefix(1);
-  while (!line.empty() && blank(line.back())) line.remove_suffix(1);
-  return line;
-}
-
-std::optional<std::size_t> column(std::string_view header, std::string_view name) {
-  for (std::size_t i = 0;; ++i) {
-    const auto title = field(header, i);
-    if (!title) return std::nullopt;
-    if (*title == name) return i;
-  }
-}
-
-/// A line of the file on the way to being understood.
+/// The current line of a file on the way to being understood.
 struct Row {
-  const std::string& source;
-  std::size_t number;
-  std::string_view text;
+  const CsvReader& csv;
 
-  [[noreturn]] void refuse(std::string_view why) const {
-    throw DataError(fmt::format("{}:{}: {}", source, number, why));
+  [[noreturn]] void refuse(std::string_view why) const { csv.refuse(why); }
+  /// Without blanks around it; nothing when the line has fewer.
+  std::optional<std::string_view> field(std::size_t index) const {
+    if (index >= csv.cells().size()) return std::nullopt;
+    std::string_view cell = csv.cells()[index];
+    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+    while (!cell.empty() && blank(cell.front())) cell.remove_prefix(1);
+    while (!cell.empty() && blank(cell.back())) cell.remove_suffix(1);
+    return cell;
+  }
+  bool blank() const { return csv.cells().size() == 1 && field(0)->empty(); }
+  std::optional<std::size_t> column(std::string_view name) const {
+    for (std::size_t i = 0; i < csv.cells().size(); ++i) {
+      if (field(i) == name) return i;
+    }
+    return std::nullopt;
   }
   TimeNs time(std::size_t index, std::string_view name) const {
-    const auto value = field(text, index);
+    const auto value = field(index);
     if (!value) refuse(fmt::format("the line ends before column '{}'", name));
     TimeNs t = 0;
     const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), t);
@@ -66,7 +57,7 @@ struct Row {
   }
   /// NaN where there is no number: of use to one order alone, which refuses that itself.
   double rate(std::size_t index) const {
-    const auto value = field(text, index);
+    const auto value = field(index);
     double rate = std::numeric_limits<double>::quiet_NaN();
     if (!value) return rate;
     const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), rate);
@@ -126,14 +117,13 @@ ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& s
   ReplaySchedule schedule;
   schedule.source_ = source;
   std::optional<std::size_t> end_column, begin_column, rate_column;
-  for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::size_t length = std::min(text.find('\n'), text.size());
-    const Row row{source, number, text.substr(0, length)};
-    text.remove_prefix(std::min(length + 1, text.size()));
-    if (number == 1) {
-      end_column = column(row.text, "t_ns");
-      begin_column = column(row.text, "window_begin_ns");
-      rate_column = column(row.text, "gyro_rms_rad_s");
+  CsvReader csv(text, source);
+  const Row row{csv};
+  while (csv.next()) {
+    if (!end_column) {  // the header
+      end_column = row.column("t_ns");
+      begin_column = row.column("window_begin_ns");
+      rate_column = row.column("gyro_rms_rad_s");
       if (!end_column) {
         row.refuse(
             "the header names no column 't_ns': give a CSV file with the ends of the updates, such as the updates.csv "
@@ -141,7 +131,7 @@ ReplaySchedule ReplaySchedule::parse(std::string_view text, const std::string& s
       }
       continue;
     }
-    if (field(row.text, 0)->empty() && !field(row.text, 1)) continue;  // an empty line
+    if (row.blank()) continue;
     Update update{.end = row.time(*end_column, "t_ns")};
     if (!schedule.updates_.empty()) {
       const TimeNs previous = schedule.updates_.back().end;

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "aslio/core/markup.hpp"
+#include "aslio/io/markup.hpp"
 #include "aslio/report/encode.hpp"
 #include "fuzz/target.hpp"
 
@@ -43,7 +43,7 @@ std::string unescaped(std::string_view text) {
 
 ASLIO_FUZZ_TARGET(text) {
   const std::string_view text = text_of(bytes);
-  const std::string html = html_escaped(text);
+  const std::string html = io::html_escaped(text);
   must(html.find_first_of("<>\"'") == std::string::npos && only_entities(html), "escaped text holds no markup");
   std::string whole(text);
   std::erase(whole, '\0');

@@ -265,6 +265,23 @@ test('the policy stops what is not part of the page', async () => {
   assert.equal(await page.evaluate(() => globalThis.hacked), undefined);
 });
 
+test('the folder of an older study says what completes it', async () => {
+  const older = join(folder, 'older');
+  mkdirSync(older);
+  execFileSync(ASLIO_FIXTURE, [older]);
+  rmSync(join(older, 'study.json'));
+  execFileSync(ASLIO_PROGRAM, ['report', older, '--quiet']);
+  const other = await browser.newPage();
+  other.setDefaultTimeout(300_000);
+  await other.goto(pathToFileURL(join(older, 'report.html')).href, {waitUntil: 'domcontentloaded'});
+  await other.waitForSelector('html[data-ready="true"]');
+  const warnings = await other.$$eval('.card.warning', (cards) => cards.map((card) => card.textContent));
+  const questions = await other.$$eval('.card.question', (cards) => cards.length);
+  await other.close();
+  assert.ok(warnings.some((text) => text.startsWith('Incomplete') && text.includes('study.json is missing')), String(warnings));
+  assert.equal(questions, 0);
+});
+
 test('twenty runs of 500 m are there in three seconds, and below 30 MB', async () => {
   const large = join(folder, 'large'), file = join(large, 'report.html');
   mkdirSync(large);

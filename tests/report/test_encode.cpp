@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "aslio/core/markup.hpp"
+#include "aslio/io/markup.hpp"
 #include "aslio/report/encode.hpp"
 #include "study_fixture.hpp"
 
@@ -95,7 +95,7 @@ TEST_CASE("positions in space stay within the distance") {
 
 TEST_CASE("base64 is that of RFC 4648") {
   const auto encoded = [](std::string_view text) {
-    return base64(std::vector<std::uint8_t>(text.begin(), text.end()));
+    return io::base64(std::vector<std::uint8_t>(text.begin(), text.end()));
   };
   CHECK(encoded("") == "");
   CHECK(encoded("f") == "Zg==");
@@ -140,7 +140,7 @@ TEST_CASE("JSON in a script can neither end it nor begin a comment") {
 }
 
 TEST_CASE("texts keep their place in HTML, LaTeX and Markdown") {
-  CHECK(html_escaped("<a href=\"x\" b='y'>&") == "&lt;a href=&quot;x&quot; b=&#39;y&#39;&gt;&amp;");
+  CHECK(io::html_escaped("<a href=\"x\" b='y'>&") == "&lt;a href=&quot;x&quot; b=&#39;y&#39;&gt;&amp;");
   CHECK(latex_escaped("50 % of a_b #1 {x} \\input~^$&") ==
         "50 \\% of a\\_b \\#1 \\{x\\} \\textbackslash{}input\\textasciitilde{}\\textasciicircum{}\\$\\&");
   CHECK(markdown_cell("a|b\n<c>*") == "a\\|b &lt;c&gt;\\*");

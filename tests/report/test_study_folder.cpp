@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/report/encode.hpp"
@@ -95,7 +96,7 @@ TEST_CASE("what is no study is refused with its place") {
   write_text(folder.path() / "results.csv", header);
   CHECK_THAT(problem(folder.path()), Contains("holds no run"));
   write_text(folder.path() / "results.csv", header + "a,a,1,0,m,ok,,0.1,3\n");
-  CHECK_THAT(problem(folder.path()), Contains("run 1: 9 cells, 8 are due"));
+  CHECK_THAT(problem(folder.path()), Contains("results.csv:2: has 9 cells, the first line 8"));
   write_text(folder.path() / "results.csv", header + "a,a,1,0,m,ok,,fast\n");
   CHECK_THAT(problem(folder.path()), Contains("'fast' is no number"));
   write_text(folder.path() / "results.csv", header + "../../etc,a,1,0,m,ok,,1\n");
@@ -292,9 +293,8 @@ TEST_CASE("CSV is a line per run and figure, and no formula") {
   CHECK(text.starts_with(
       "data,sequence,seed,order_seed,method,status,reason,metric,value\nloop_1,loop,1,0,fixed_10,ok,,ate_m,0.05\n"));
   CHECK_THAT(text, Contains("crashed,'=cmd(),,\n"));
-  const auto lines = parse_csv(text);
-  CHECK(lines.size() == 1 + 10 * 4 + 1);
-  for (const auto& line : lines) REQUIRE(line.size() == 9);
+  const auto table = aslio::parse_csv(text, "to_csv");  // every line as long as the first
+  CHECK((table.header.size() == 9 && table.rows.size() == 10 * 4 + 1));
 }
 
 TEST_CASE("a course is placed in the world of the truth") {

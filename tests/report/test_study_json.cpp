@@ -1,10 +1,14 @@
 /// study.json as the report reads it: the texts of a study, or a refusal.
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/report/page.hpp"
+#include "aslio/report/run_series.hpp"
 #include "aslio/report/study_folder.hpp"
+#include "aslio/report/table.hpp"
 #include "report/study_fixture.hpp"
 #include "temporary_folder.hpp"
 
@@ -52,9 +56,29 @@ TEST_CASE("what has another type in study.json is left out") {
   CHECK((study.expectation.empty() && study.identical.empty()));
 }
 
-TEST_CASE("the folder of an older study says what completes it") {
+TEST_CASE("the folder of an older study is incomplete and says what completes it") {
   const TemporaryFolder folder;
   write_text(folder.path() / "results.csv", kOneRun);
-  CHECK_THAT(read_study_folder(folder.path()).question,
-             Contains("study.json is missing") && Contains("Run `aslio experiment` with it again"));
+  const StudyFolder older = read_study_folder(folder.path());
+  CHECK_THAT(older.incomplete, Contains("study.json is missing") && Contains("Run `aslio experiment` with it again"));
+  CHECK(older.question.empty());  // which the study has not asked
+  CHECK_THAT(make_page(older, Bundle()), Contains("\"incomplete\":\"study.json is missing"));
+  CHECK_THAT(to_markdown(older), Contains("Incomplete") && Contains("study.json is missing"));
+  write_text(folder.path() / "study.json", R"({"schema": "aslio/study_results/1", "name": "whole"})");
+  CHECK(read_study_folder(folder.path()).incomplete.empty());
+}
+
+TEST_CASE("an overlap.csv that is damaged is named, and the page lacks its line alone") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "results.csv", kOneRun);
+  write_text(folder.path() / "study.json", R"({"schema": "aslio/study_results/1", "name": "s"})");
+  write_text(folder.path() / "statistics.csv", "metric,method,baseline\nate_m,a,b\nate_m,a\n");
+  CHECK_THAT(refusal_of(folder.path()), Contains("statistics.csv:3: has 2 cells, the first line 3"));
+  std::filesystem::remove(folder.path() / "statistics.csv");
+  std::filesystem::create_directories(folder.path() / "data/loop_1");
+  write_text(folder.path() / "data/loop_1/overlap.csv", "t,true_overlap\n1,0.5\n2,\"0.6\n");
+  const StudyFolder study = read_study_folder(folder.path());
+  const auto json = data_json(study, "loop_1", DataTruth());
+  CHECK_FALSE(json.contains("overlap"));
+  CHECK_THAT(json["unreadable"].get<std::string>(), Contains("overlap.csv:3: a quote is not closed"));
 }

@@ -28,20 +28,6 @@ class Statistics(unittest.TestCase):
         self.assertEqual(pairs.sign_test(pairs.Tally(4, 4, 0)), 1.0)
         self.assertEqual(pairs.sign_test(pairs.Tally()), 1.0)
 
-    def test_wilcoxon_against_tables(self):
-        # Critical values of the signed-rank sum for n = 8, two-sided: W = 3 is p = 0.0391, W = 4 is p = 0.0547.
-        for losing, p in (({3}, 10 / 256), ({4}, 14 / 256), ({1, 2}, 10 / 256), (set(), 2 / 256)):
-            found = [(math.exp(k if k in losing else -k), 1.0) for k in range(1, 9)]
-            self.assertAlmostEqual(pairs.wilcoxon(found), p, msg=str(losing))
-        # All ranks equal: it is the sign test.
-        tied = [(2.0, 1.0)] * 2 + [(1.0, 2.0)] * 6
-        self.assertAlmostEqual(pairs.wilcoxon(tied), pairs.sign_test(pairs.Tally(6, 2, 0)))
-        self.assertEqual(pairs.wilcoxon([(1.0, 1.0)]), 1.0)
-
-    def test_wilcoxon_takes_a_failure_for_the_largest_difference(self):
-        found = [(math.exp(-k), 1.0) for k in range(1, 8)] + [(math.inf, 1.0)]
-        self.assertAlmostEqual(pairs.wilcoxon(found), pairs.wilcoxon(found[:7] + [(math.exp(8), 1.0)]))
-
 
 class Motion(unittest.TestCase):
     def test_stamps_are_exact(self):
@@ -81,6 +67,20 @@ class Verdicts(StudyCase):
         out = self.decide()[1]
         self.assertIn("| z | y | 0 / 1 / 0 |", out)
         self.assertNotIn("| y | x |", out)
+
+    def test_wilcoxons_p_is_that_of_the_study(self):
+        runs = [(s, 1, m, v) for s in NINE for m, v in (("x", 0.1), ("y", 0.2), ("z", 0.3))]
+        self.study("mine", runs, baselines=[("z", "y"), ("y", "x")])
+        self.assertIn("| z | y | 0 / 9 / 0 | 0 / 9 / 0 | 1.5 | 0.0039 | - |", self.decide()[1])  # a study without statistics.csv
+        (self.root / "statistics.csv").write_text(
+            "metric,sequence,method,baseline,p,p_holm\nate_m,indoor_1,z,,,\nate_m,,z,y,0.031,0.062\nate_m,,y,x,,\nate_deg,,y,x,0.5,0.5\n")
+        out = self.decide()[1]
+        self.assertIn("| z | y | 0 / 9 / 0 | 0 / 9 / 0 | 1.5 | 0.0039 | 0.031 |", out)
+        self.assertIn("| y | x | 0 / 9 / 0 | 0 / 9 / 0 | 2 | 0.0039 | - |", out)
+        (self.root / "statistics.csv").write_text("metric,method,baseline,p\nate_m,z,y,soon\n")
+        code, _, err = printed(decide.main, self.root)
+        self.assertEqual(code, 2)
+        self.assertIn("statistics.csv: is not that of aslio experiment", err)
 
     def test_missing_sequences_leave_it_open(self):
         self.study("window_ablation", [("indoor_1", 1, "fixed_10", 0.1), ("indoor_1", 1, "fixed_20", 0.1), ("indoor_1", 1, "as_lio_plus", 0.05)],

@@ -104,13 +104,14 @@ class Report:
             if method not in self.study.methods or other not in self.study.methods:
                 continue
             found = self.study.pairs(method, other, metric)
-            tally, tests = Tally.of(found), ["-", "-"]
+            tally, sign, p = Tally.of(found), "-", self.study.wilcoxon(method, other, metric)
             if not found:
                 continue
             if tally.won + tally.lost >= LEAST_PAIRS:
-                tests = [probability(pairs.sign_test(tally)), probability(pairs.wilcoxon(found))]
+                sign = probability(pairs.sign_test(tally))
             failed = f"{len(self.study.failures(method))} / {len(self.study.failures(other))}"
-            lines.append([method, other, self.medians_below(method, other, metric), tally, ratio_text(found), *tests, failed])
+            wilcoxon = "-" if p is None else probability(p)
+            lines.append([method, other, self.medians_below(method, other, metric), tally, ratio_text(found), sign, wilcoxon, failed])
         if lines:
             self.text(f"`{metric}`, smaller wins; won / lost / tied by median per sequence, and by pairs over the same data:")
             self.table(["method", "against", "sequences", "pairs", "median ratio", "sign p", "Wilcoxon p", "failed"], lines)

@@ -59,6 +59,7 @@ class Study:
         self.folder = pathlib.Path(folder)
         self.runs = self._read_runs()
         self._read_study()
+        self.p_values = self._read_statistics()
         self.sequences = in_order(run.sequence for run in self.runs)
         self.methods = in_order(run.method for run in self.runs)
 
@@ -96,6 +97,22 @@ class Study:
         if not runs:
             raise FolderError(f"{self.folder / 'results.csv'}: has no run")
         return runs
+
+    def _read_statistics(self):
+        """p of Wilcoxon's signed-rank test by (method, baseline, metric), over all sequences; the study has worked it out."""
+        try:
+            text = (self.folder / "statistics.csv").read_text(encoding="utf-8")
+        except OSError:
+            return {}  # a study that has no pairs yet
+        try:
+            return {(line["method"], line["baseline"], line["metric"]): float(line["p"])
+                    for line in csv.DictReader(text.splitlines()) if line["baseline"] and line["p"]}
+        except (ValueError, TypeError, KeyError) as error:
+            raise FolderError(f"{self.folder / 'statistics.csv'}: is not that of aslio experiment") from error
+
+    def wilcoxon(self, method, other, metric):
+        """None where neither is the baseline of the other, or there are too few pairs. Two-sided: the order is the same."""
+        return self.p_values.get((method, other, metric), self.p_values.get((other, method, metric)))
 
     def of(self, method, sequence=None):
         return [run for run in self.runs if run.method == method and sequence in (None, run.sequence)]

@@ -117,6 +117,10 @@ function leftOut(study) {
     h('ul', null, study.left_out.map((text) => h('li', null, text))));
 }
 
+function incomplete(study) {
+  return study.incomplete && h('div', {class: 'card warning'}, h('h3', null, 'Incomplete'), h('p', null, study.incomplete));
+}
+
 function warnings(study) {
   return study.identical?.length > 0 && h('div', {class: 'card warning'}, h('h3', null, 'Identical results'),
     h('ul', null, study.identical.map((text) => h('li', null, text))));
@@ -133,6 +137,6 @@ export function summarySection(study, choice) {
     choice.on(['metric', 'theme'], draw);
     draw();
   }
-  return section('study', study.name, null, questionCards(study), expectationCard(study), verdictCard(study), tiles(study), warnings(study), leftOut(study), place);
+  return section('study', study.name, null, questionCards(study), expectationCard(study), verdictCard(study), tiles(study), incomplete(study), warnings(study), leftOut(study), place);
 }
 

@@ -11,11 +11,11 @@
 
 #include "aslio/config/diff.hpp"
 #include "aslio/config/document.hpp"
+#include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/statistics/order.hpp"
 #include "aslio/statistics/signed_rank.hpp"
 #include "read_json.hpp"
-#include "study_csv.hpp"
 
 namespace aslio::experiment {
 

@@ -11,11 +11,11 @@
 #include <map>
 #include <set>
 
+#include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_results.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/statistics/order.hpp"
-#include "study_csv.hpp"
 #include "study_store.hpp"
 
 namespace aslio::experiment {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "aslio/core/markup.hpp"
+#include "aslio/io/markup.hpp"
 
 namespace aslio::report {
 
@@ -78,7 +78,7 @@ std::string packed_integers(std::span<const std::int64_t> values) {
     for (; left > 127; left >>= 7) bytes.push_back(static_cast<std::uint8_t>(left | 128U));
     bytes.push_back(static_cast<std::uint8_t>(left));
   }
-  return base64(bytes);
+  return io::base64(bytes);
 }
 
 std::string packed_numbers(std::span<const double> values, double unit) {

@@ -11,10 +11,10 @@
 #include "aslio/config/document.hpp"
 #include "aslio/config/node.hpp"
 #include "aslio/core/errors.hpp"
-#include "aslio/core/markup.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/version.hpp"
 #include "aslio/io/json.hpp"
+#include "aslio/io/markup.hpp"
 #include "aslio/report/encode.hpp"
 #include "aslio/report/run_series.hpp"
 #include "aslio/report/table.hpp"
@@ -302,6 +302,9 @@ void put_courses(Json& json, const StudyFolder& study, const PageLimits& limits,
     Json recording;
     if (!data.contains(run.data)) {
       recording = data_json(study, run.data, truth);
+      if (const auto note = recording.find("unreadable"); note != recording.end()) {
+        unreadable.push_back(note->get<std::string>());
+      }
       bytes += size_of(recording);
     }
     if (bytes > left) break;
@@ -334,6 +337,7 @@ Json study_json(const StudyFolder& study, const PageLimits& limits, std::size_t 
                {"rule", study.rule},
                {"verdict", study.verdict},
                {"expectation", study.expectation},
+               {"incomplete", study.incomplete},
                {"identical", study.identical},
                {"planned", study.planned.value_or(study.runs.size())},
                {"axes", study.axes},
@@ -366,7 +370,7 @@ std::string policy_hash(const std::string& text) {
     std::from_chars(hex.data() + i, hex.data() + i + 2, byte, 16);
     bytes.push_back(byte);
   }
-  return fmt::format("'sha256-{}'", base64(bytes));
+  return fmt::format("'sha256-{}'", io::base64(bytes));
 }
 
 }  // namespace
@@ -396,7 +400,7 @@ std::string make_page(const StudyFolder& study, const Bundle& bundle, const Page
       "img-src data: blob:; base-uri 'none'; form-action 'none'; require-trusted-types-for 'script'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"referrer\" content=\"no-referrer\">\n<title>{}</title>\n<style>",
-      policy_hash(bundle.script), policy_hash(bundle.style), html_escaped(study.name));
+      policy_hash(bundle.script), policy_hash(bundle.style), io::html_escaped(study.name));
   page += bundle.style;
   page +=
       "</style>\n</head>\n<body>\n<noscript>This page draws its tables and figures with a script it holds itself; "

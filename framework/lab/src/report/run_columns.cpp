@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "aslio/core/csv.hpp"
+#include "aslio/core/errors.hpp"
 #include "aslio/io/writers.hpp"
 
 namespace aslio::report {
@@ -23,21 +25,12 @@ double number_of(std::string_view cell) {
   return error == std::errc{} && end == cell.data() + cell.size() && std::isfinite(value) ? value : kNone;
 }
 
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
+using Cells = std::vector<std::string_view>;
 
-/// Telemetry has no quotes: names and numbers only.
 class Reader {
  public:
-  explicit Reader(std::string_view header) {
-    for (const std::string_view name : split(header)) names_.emplace_back(name);
+  explicit Reader(const Cells& header) {
+    for (const std::string_view name : header) names_.emplace_back(name);
     for (const std::string& name : names_) {
       if (name == "t_ns") {
         targets_.push_back({});
@@ -52,8 +45,7 @@ class Reader {
     }
   }
 
-  void take(std::string_view line) {
-    const auto cells = split(line);
+  void take(const Cells& cells) {
     ++lines_;
     if (cells.size() != names_.size()) return;
     TimeNs t = 0;
@@ -98,20 +90,31 @@ std::optional<Columns> read_columns(const std::filesystem::path& path, std::vect
   const auto text = read_file(path);
   if (!text) return std::nullopt;
   const auto note = [&](const std::string& problem) { notes.push_back(path.filename().string() + ": " + problem); };
-  std::string_view left = *text;
-  std::size_t end = left.find('\n');
-  Reader reader(left.substr(0, end == std::string_view::npos ? 0 : end));
+  CsvReader csv(*text, path.filename().string());
+  std::string damage;
+  const auto next = [&] {
+    try {
+      return csv.next();
+    } catch (const DataError& error) {
+      damage = error.what();
+      return false;
+    }
+  };
+  Reader reader(next() && csv.complete() ? csv.cells() : Cells());
   if (!reader.has_time()) {
     note(text->empty() ? "it is empty" : "its first line names no column t_ns; the file is left out");
     return std::nullopt;
   }
-  for (left.remove_prefix(end + 1); (end = left.find('\n')) != std::string_view::npos; left.remove_prefix(end + 1)) {
-    reader.take(left.substr(0, end));
+  bool cut = false;
+  while (next()) {
+    cut = !csv.complete();
+    if (!cut) reader.take(csv.cells());
   }
   if (!reader.repeated().empty()) {
     note(fmt::format("its first line names the column {} twice; the first one is shown", reader.repeated()));
   }
-  if (!left.empty()) note("it is cut off in the middle of a line; what stands before is shown");
+  if (!damage.empty()) notes.push_back(damage + "; what stands before is shown");
+  if (cut) note("it is cut off in the middle of a line; what stands before is shown");
   const std::size_t lines = reader.lines();
   Columns columns = reader.finish();
   if (columns.t.size() < lines) {

@@ -9,12 +9,13 @@
 #include <nlohmann/json.hpp>
 
 #include "aslio/core/angles.hpp"
+#include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
-#include "aslio/core/markup.hpp"
 #include "aslio/evaluation/evaluation.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/io/json.hpp"
+#include "aslio/io/markup.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/report/encode.hpp"
 #include "placement.hpp"
@@ -132,9 +133,9 @@ Json path_json(std::span<const StampedPose> poses, TimeNs origin, const std::vec
   }
   Json json = {{"t", packed_numbers(t, kTimeUnit)}};
   put_vectors(json, {"x", "y", "z"}, positions, kLengthUnit);
-  json["q"] = base64(rotations);
+  json["q"] = io::base64(rotations);
   if (!errors.empty()) put_vectors(json, {"dx", "dy", "dz"}, kept_errors, kErrorUnit);
-  if (std::find(known.begin(), known.end(), 0) != known.end()) json["known"] = base64(known);
+  if (std::find(known.begin(), known.end(), 0) != known.end()) json["known"] = io::base64(known);
   return json;
 }
 
@@ -276,19 +277,24 @@ DataTruth read_truth(const StudyFolder& study, const std::string& data) {
 Json data_json(const StudyFolder& study, const std::string& data, const DataTruth& truth) {
   Json json = {{"name", data}};
   if (truth.truth) json["truth"] = path_json(truth.truth->samples(), truth.origin, {});
-  const auto lines = parse_csv(read_file(study.folder / "data" / data / "overlap.csv").value_or(""));
-  if (lines.empty()) return json;
+  const std::filesystem::path file = study.folder / "data" / data / "overlap.csv";
+  CsvTable table;
+  try {
+    table = parse_csv(read_file(file).value_or(""), file);
+  } catch (const DataError& error) {
+    json["unreadable"] = error.what();
+    return json;
+  }
   const auto at = [&](const char* name) {
-    return static_cast<std::size_t>(std::find(lines[0].begin(), lines[0].end(), name) - lines[0].begin());
+    return static_cast<std::size_t>(std::find(table.header.begin(), table.header.end(), name) - table.header.begin());
   };
   const std::size_t time = at("t"), overlap = at("true_overlap");
-  if (time == lines[0].size() || overlap == lines[0].size()) return json;
+  if (time == table.header.size() || overlap == table.header.size()) return json;
   Channel channel;
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    if (lines[i].size() != lines[0].size()) continue;
-    const double t = std::strtod(lines[i][time].c_str(), nullptr) - to_seconds(truth.origin);
+  for (const auto& row : table.rows) {
+    const double t = std::strtod(row[time].c_str(), nullptr) - to_seconds(truth.origin);
     if (std::isfinite(t) && (channel.t.empty() || t > channel.t.back()))
-      channel.add(t, std::strtod(lines[i][overlap].c_str(), nullptr));
+      channel.add(t, std::strtod(row[overlap].c_str(), nullptr));
   }
   if (!channel.t.empty()) json["overlap"] = packed(channel);
   return json;

@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
+#include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/input_file.hpp"
 #include "aslio/experiment/study_results.hpp"
 #include "aslio/io/json.hpp"
 
@@ -17,7 +21,6 @@ namespace aslio::report {
 namespace {
 
 namespace fs = std::filesystem;
-using Lines = std::vector<std::vector<std::string>>;
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 5> kFixedColumns = {"data", "sequence", "seed", "order_seed", "method"};
@@ -96,18 +99,15 @@ FolderRun run_of(const std::vector<std::string>& cells, const Header& header, co
 }
 
 void read_runs(StudyFolder& study, const fs::path& file, const std::string& text) {
-  const Lines lines = parse_csv(text);
-  if (lines.empty()) throw DataError(fmt::format("{}: empty; run the study first", file.string()));
-  const Header header = read_header(lines[0], file);
+  const CsvTable table = parse_csv(text, file);
+  if (table.header.empty()) throw DataError(fmt::format("{}: empty; run the study first", file.string()));
+  const Header header = read_header(table.header, file);
   const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
-  study.axes.assign(lines[0].begin() + at(kFixedColumns.size()), lines[0].begin() + at(header.status));
-  study.figures.assign(lines[0].begin() + at(header.status + 2), lines[0].end());
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    const std::string where = fmt::format("{}: run {}", file.string(), i);
-    if (lines[i].size() != lines[0].size()) {
-      throw DataError(fmt::format("{}: {} cells, {} are due", where, lines[i].size(), lines[0].size()));
-    }
-    study.runs.push_back(run_of(lines[i], header, study.folder, where));
+  study.axes.assign(table.header.begin() + at(kFixedColumns.size()), table.header.begin() + at(header.status));
+  study.figures.assign(table.header.begin() + at(header.status + 2), table.header.end());
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    study.runs.push_back(
+        run_of(table.rows[i], header, study.folder, fmt::format("{}:{}", file.string(), table.lines[i])));
   }
 }
 
@@ -155,10 +155,9 @@ void read_study_json(StudyFolder& study) {
   const auto text = read_file(file);
   if (!text) {
     if (!read_file(study.folder / "results.csv")) return;  // single runs
-    study.question =
+    study.incomplete =
         "study.json is missing: the folder is of an older version. Run `aslio experiment` with it again, which keeps "
-        "the "
-        "runs and writes it.";
+        "the runs and writes it.";
     return;
   }
   const auto json = io::parse_json(*text);
@@ -187,23 +186,23 @@ void read_study_json(StudyFolder& study) {
 
 /// A study of an older version has none; numbers that are none are left out.
 void read_statistics(StudyFolder& study) {
-  const Lines lines = parse_csv(read_file(study.folder / "statistics.csv").value_or(""));
-  if (lines.empty()) return;
+  const fs::path file = study.folder / "statistics.csv";
+  const CsvTable table = parse_csv(read_file(file).value_or(""), file);
   const auto text = [&](const std::vector<std::string>& cells, std::string_view name) -> std::string {
-    const auto at = index_of(lines[0], name);
-    return at && *at < cells.size() ? cells[*at] : std::string();
+    const auto at = index_of(table.header, name);
+    return at ? cells[*at] : std::string();
   };
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    if (text(lines[i], "baseline").empty()) continue;
+  for (const auto& row : table.rows) {
+    if (text(row, "baseline").empty()) continue;
     const auto value = [&](std::string_view name) -> std::optional<double> {
-      const std::string cell = text(lines[i], name);
+      const std::string cell = text(row, name);
       double number = 0;
       const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
       return error == std::errc{} && end == cell.data() + cell.size() && !std::isnan(number) ? std::optional(number)
                                                                                              : std::nullopt;
     };
-    study.statistics.push_back({.metric = text(lines[i], "metric"),
-                                .method = text(lines[i], "method"),
+    study.statistics.push_back({.metric = text(row, "metric"),
+                                .method = text(row, "method"),
                                 .low = value("low"),
                                 .high = value("high"),
                                 .effect = value("effect"),
@@ -292,6 +291,15 @@ StudyFolder single_runs(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::optional<std::string> read_file(const fs::path& path) {
+  if (!why_no_input(path).empty()) return std::nullopt;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return std::nullopt;
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return std::move(text).str();
+}
 
 std::optional<std::size_t> StudyFolder::method(std::string_view name) const { return index_of(methods, name); }
 std::optional<std::size_t> StudyFolder::figure(std::string_view name) const { return index_of(figures, name); }

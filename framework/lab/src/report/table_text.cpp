@@ -178,6 +178,7 @@ std::string to_markdown(const StudyFolder& study) {
   const auto paragraph = [&](std::string_view title, const std::string& words) {
     if (!words.empty()) fmt::format_to(out, "**{}.** {}\n\n", title, without_tags(words));
   };
+  paragraph("Incomplete", study.incomplete);
   paragraph("Question", study.question);
   paragraph("Prediction", study.prediction);
   paragraph("Rule", study.rule);

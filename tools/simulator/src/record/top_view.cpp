@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "aslio/core/errors.hpp"
-#include "aslio/core/markup.hpp"
+#include "aslio/io/markup.hpp"
 
 namespace aslio::simulator {
 namespace {
@@ -143,10 +143,10 @@ std::string TopView::svg(const Trajectory& path, const std::string& title) const
                  "height=\"{1:.0f}\" font-family=\"sans-serif\" font-size=\"15\">\n"
                  "<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
                  "<text x=\"{3}\" y=\"22\" fill=\"#111\">{2}</text>\n",
-                 total_width, total_height, html_escaped(title), kMargin);
+                 total_width, total_height, io::html_escaped(title), kMargin);
   fmt::format_to(to,
                  "<image x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\" href=\"data:image/png;base64,{}\"/>\n",
-                 kMargin, kHeader, width, height, base64(png(crop)));
+                 kMargin, kHeader, width, height, io::base64(png(crop)));
   out += "<polyline fill=\"none\" stroke=\"#d9480f\" stroke-width=\"2\" stroke-linejoin=\"round\" points=\"";
   Vec2 last = Vec2::Constant(-1e9);
   for (const StampedPose& s : path.samples()) {

@@ -33,7 +33,7 @@ struct DataTruth {
 /// where that is gone, or cannot be read.
 DataTruth read_truth(const StudyFolder& study, const std::string& data);
 
-/// Truth and true overlap of a recording as the page takes them.
+/// Truth and true overlap of a recording as the page takes them; `unreadable` says what of overlap.csv cannot be read.
 nlohmann::ordered_json data_json(const StudyFolder& study, const std::string& data, const DataTruth& truth);
 
 /// Trajectory (in the world of the truth, if there is one), telemetry, errors and timings of a run; null when it has

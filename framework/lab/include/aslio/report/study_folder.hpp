@@ -47,6 +47,7 @@ struct StudyFolder {
   std::vector<FolderStatistic> statistics;
   /// What the study expected, rule by rule: Markdown, "RULE: **holds**".
   std::vector<std::string> expectation;
+  std::string incomplete;              ///< what the folder lacks and what completes it; empty when it is whole
   std::vector<std::string> identical;  ///< what study.json says of methods without a difference
 
   /// Index in `methods`, `figures`; nothing when there is no such.
@@ -58,9 +59,6 @@ struct StudyFolder {
 /// it, or the runs in its sub-folders. Throws DataError when there is neither, or a file is not what it has to be:
 /// file, line, remedy.
 StudyFolder read_study_folder(const std::filesystem::path& folder);
-
-/// Lines of comma-separated cells, quotes undone. A line feed inside quotes belongs to the cell.
-std::vector<std::vector<std::string>> parse_csv(std::string_view text);
 
 /// A file's content; nothing when it cannot be opened.
 std::optional<std::string> read_file(const std::filesystem::path& path);

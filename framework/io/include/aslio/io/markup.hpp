@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace aslio {
+namespace aslio::io {
 
 /// Base64 of bytes (RFC 4648, padded).
 std::string base64(std::span<const std::uint8_t> bytes);
@@ -14,4 +14,4 @@ std::string base64(std::span<const std::uint8_t> bytes);
 /// Text for an element or a quoted attribute of HTML or SVG.
 std::string html_escaped(std::string_view text);
 
-}  // namespace aslio
+}  // namespace aslio::io
