@@ -5,7 +5,7 @@ option(ASLIO_BUILD_SIMULATOR "Build the simulator; needs Embree, assimp and libp
 option(ASLIO_SPEED_TESTS "Limits of cost as tests, label `speed`: for an optimised build on an idle machine" OFF)
 option(ASLIO_WERROR "Warnings are errors" OFF)
 option(ASLIO_NATIVE "Generate code for this machine's CPU (not for binaries that travel)" OFF)
-option(ASLIO_UNITY "Compile several sources at once: a shorter first build, a longer one after a change to a single file" ON)
+option(ASLIO_PCH "Compile the headers of the standard library and of Eigen once, ahead of the sources" ON)
 option(ASLIO_REPRODUCIBLE "No fused multiply-add by contraction: the same bits on every machine of one ASLIO_ARCH" OFF)
 set(ASLIO_ARCH "" CACHE STRING "Value of -march, for example x86-64-v3; empty: the compiler's default")
 set(ASLIO_EXEC_BACKEND threads CACHE STRING "Thread backend of exec: threads (sleeps when idle) or openmp (spins unless OMP_WAIT_POLICY=passive)")
@@ -97,52 +97,24 @@ set(ASLIO_COMPILER_TEXT "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
 include(CheckPIESupported)
 check_pie_supported()
 
-# Whether the compiler may fuse a product and a sum into one rounding. Then what is inlined, and so which files are neighbours,
-# decides how a pose is rounded; without, nothing but the source does.
-set(ASLIO_FUSED OFF)
-if(NOT ASLIO_REPRODUCIBLE)
-  include(CheckCXXSourceCompiles)
-  list(JOIN ASLIO_CODE_FLAGS " " CMAKE_REQUIRED_FLAGS)
-  unset(aslio_fuses CACHE)  # the flags may have changed
-  set(CMAKE_REQUIRED_QUIET ON)
-  check_cxx_source_compiles("
-    #if !(defined __FMA__ || defined __FMA4__ || defined __ARM_FEATURE_FMA || defined __powerpc64__ || defined __riscv_d)
-    #error none
-    #endif
-    int main() {}" aslio_fuses)
-  set(ASLIO_FUSED ${aslio_fuses})
-  unset(CMAKE_REQUIRED_FLAGS)
-  unset(CMAKE_REQUIRED_QUIET)
-endif()
-
-# aslio_unity(TARGET [APART REGEX]): its sources are compiled eight of a folder at a time, as one that includes them; those
-# whose path matches, each by itself. Most of what a compiler does for one of ours is to read the standard library and Eigen.
-# Not for what computes a pose where ASLIO_FUSED. Groups are counted folder by folder, so that a build in which whole folders
-# are apart compiles the others together as every build does: a clash of names is one in all of them.
-function(aslio_unity target)
-  cmake_parse_arguments(ARG "" "APART" "" ${ARGN})
-  get_target_property(sources ${target} SOURCES)
-  foreach(source IN LISTS sources)
-    if(ARG_APART AND source MATCHES "${ARG_APART}")
-      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-      continue()
-    endif()
-    cmake_path(ABSOLUTE_PATH source OUTPUT_VARIABLE path)
-    cmake_path(GET path PARENT_PATH folder)
-    cmake_path(GET folder FILENAME name)
-    string(MD5 key "${folder}")
-    if(NOT DEFINED count_${key})
-      set(count_${key} 0)
-    endif()
-    math(EXPR group "${count_${key}} / 8")
-    math(EXPR count_${key} "${count_${key}} + 1")
-    string(SUBSTRING "${key}" 0 6 short)
-    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${name}_${short}_${group}")
-  endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${ASLIO_UNITY} UNITY_BUILD_MODE GROUP)
+# aslio_precompile(TARGET): it takes the headers of aslio_pch (below) as compiled already. Most of what a compiler does for
+# one of our sources is to read the standard library and Eigen. Every source still includes what it uses: the lint compiles
+# without.
+function(aslio_precompile target)
+  if(NOT ASLIO_PCH)
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM aslio_pch)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "EXECUTABLE")
+    # GCC takes them for code of one kind only, and CMake compiles programs as -fPIE.
+    target_compile_options(${target} PRIVATE -fPIC)
+  endif()
 endfunction()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  # It looks into precompiled headers only where it may ignore macros that nothing of them uses.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${CCACHE_PROGRAM})
 endif()

@@ -8,6 +8,8 @@
 using namespace aslio;
 using namespace aslio::test;
 using Catch::Matchers::Contains;
+using config::follow_alias;
+using config::parse_document;
 
 namespace {
 

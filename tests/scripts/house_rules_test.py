@@ -86,20 +86,6 @@ class HouseRules(unittest.TestCase):
         self.assert_breaks("cannot fail", "tests/core/a.cpp", 'TEST_CASE(\n    "x "\n    "y; z") {}\n')
         self.assert_clean("tests/core/a.cpp", 'TEST_CASE(\n    "x "\n    "y") {\n  CHECK(a == "b; c");\n}\n')
 
-    def test_names_of_what_is_compiled_together(self):
-        unnamed = "namespace {\n\nint {name}(double x) {{\n  return other(x);\n}}\n\n}}  // namespace\n".replace("namespace {", "namespace {{")
-        both = ("build/dev/a/Unity/unity_0_cxx.cxx", '#include "ROOT/tools/a.cpp"\n#include "ROOT/tools/b.cpp"\n')
-        one = ("tools/a.cpp", unnamed.format(name="one"))
-        rule = ["functions compiled together have names of their own"]
-        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="one"), (one, both)), rule)
-        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="two"), (one, both)), [])
-        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="one"), (one,)), [])
-        self.assertEqual(self.findings("tools/b.cpp", "int one(double x) { return 1; }\n", (one, both)), [])
-        options = ("cmake/aslio_options.cmake", "# none\n")
-        on, off = (("build/dev/CMakeCache.txt", f"ASLIO_UNITY:BOOL={value}\n") for value in ("ON", "OFF"))
-        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="two"), (options, on)), rule)
-        self.assertEqual(self.findings("tools/b.cpp", unnamed.format(name="two"), (options, off)), [])
-
     def test_schema(self):
         self.assert_breaks("schema", "configs/pipelines/a.yaml", "window: {}\n")
         self.assert_clean("configs/pipelines/a.yaml", "# words\nschema: aslio/pipeline/1\n")

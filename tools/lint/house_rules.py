@@ -37,7 +37,6 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]')
 COMMENT = re.compile(r"//.*$")
 EQUATION = re.compile(r"\*\*([A-Z]+-\d+)\*\* ")
 NAMED_TEST = re.compile(r"`(tests/[\w/]+(?:\.cpp)?|test_\w+\.cpp|\w+_test\.cpp)`")
-UNNAMED_FUNCTION = re.compile(r"(?!using |struct |class |enum |template|namespace |return )[\w:<>,&*\s\[\]]*?\b(\w+)\(")
 # Engines and containers whose order or sequence differs between libraries or runs.
 FOREIGN_RANDOM = re.compile(r"std::(normal|uniform_real|uniform_int|bernoulli|poisson|exponential)_distribution|"
                             r"std::random_device|\bs?rand\s*\(")
@@ -228,38 +227,6 @@ def equations_are_cited_and_tested(sources):
             yield doc, line, f"{tag} is in none of its tests: {', '.join(tests) or 'it names none'}"
 
 
-def neighbours_share_no_name(_):
-    """Sources that are compiled as one (aslio_unity): where two have a function of one name, a call may mean the other's."""
-    build = ROOT / "build/dev"
-    batches = sorted(build.rglob("Unity/unity_*_cxx.cxx"))
-    cache = build / "CMakeCache.txt"
-    if not batches and cache.is_file() and "ASLIO_UNITY:BOOL=ON" in cache.read_text(encoding="utf-8"):
-        yield Source("cmake/aslio_options.cmake"), 1, "build/dev has ASLIO_UNITY and no batches: where does CMake put them now?"
-    for together in batches:
-        owners = {}
-        for member in re.findall(r'#include "([^"]+)"', together.read_text(encoding="utf-8")):
-            path = pathlib.Path(member)
-            if not path.is_relative_to(ROOT) or not path.is_file():
-                continue
-            source = Source(path.relative_to(ROOT).as_posix())
-            for line, name in unnamed_functions(source):
-                other = owners.setdefault(name, source.name)
-                if other != source.name:
-                    yield source, line, f"{name}() is a function of {other}, too, with which it is compiled: rename one"
-
-
-def unnamed_functions(source):
-    """(line, name) of the functions in unnamed namespaces; clang-format puts what is declared there at the margin."""
-    inside = False
-    for number, line in source.code():
-        if line.startswith("namespace {"):
-            inside = True
-        elif re.match(r"\}\s*$", line):
-            inside = inside and not source.lines[number - 1].endswith("// namespace")
-        elif inside and not line[:1].isspace() and (found := UNNAMED_FUNCTION.match(line)):
-            yield number, found[1]
-
-
 RULES = (
     ("the framework includes no plugin", framework_knows_no_plugin),
     ("rooms include only what lies below them", rooms_keep_their_arrows),
@@ -275,7 +242,6 @@ RULES = (
     ("no paths of one machine", no_machine_paths),
     ("every lint suppression names its check and reason", suppressions_have_reasons),
     ("every YAML file names its schema", yaml_names_its_schema),
-    ("functions compiled together have names of their own", neighbours_share_no_name),
     ("every equation is cited in code and in the test it names", equations_are_cited_and_tested),
 )
 

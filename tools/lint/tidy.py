@@ -3,7 +3,8 @@
 
 usage: tidy.py BUILD_DIR [--tally FILE] [PATH_PART...]
 
-Sources that are compiled as one (aslio_unity) are checked as one, and each by itself where that finds something.
+Up to eight sources of a folder are checked as one, and each by itself where that finds something. Without the precompiled
+headers of the build: a source includes what it uses.
 A file that passed is not checked again until it, a header of ours that it includes, its compile command or .clang-tidy
 changes: passes are kept by content in ${XDG_CACHE_HOME:-~/.cache}/aslio/tidy.
 """
@@ -19,27 +20,27 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOL = "clang-tidy-14"
+BATCH = 8
 ROOMS = ("framework/", "plugins/", "tools/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def sources(build, parts):
-    """Batches of our sources that are compiled together: lists of (path relative to the root, a compile command of its own)."""
-    batches, seen = [], set()
+    """Batches of our sources that take the same options: lists of (path relative to the root, a compile command of its own)."""
+    alike = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["directory"], entry["file"]).resolve()
-        together = path.is_relative_to(build) and path.parent.name == "Unity"  # CMake's, which includes ours
-        batch = []
-        for member in INCLUDE.findall(path.read_text(encoding="utf-8")) if together else [str(path)]:
-            file = pathlib.Path(member)
-            name = file.relative_to(ROOT).as_posix() if file.is_relative_to(ROOT) else ""
-            if name.startswith(ROOMS) and name not in seen and (not parts or any(part in name for part in parts)):
-                seen.add(name)
-                # Without its output, which tells what else was compiled with it.
-                command = re.sub(r" -o \S+", "", entry["command"])
-                batch.append((name, command.replace(str(path), member)))
-        if batch:
-            batches.append(batch)
+        name = path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) and not path.is_relative_to(build) else ""
+        if not name.startswith(ROOMS) or parts and not any(part in name for part in parts):
+            continue
+        # Without its output, which names what else is compiled, and without precompiled headers.
+        command = re.sub(r" -Winvalid-pch| -include \S+cmake_pch\S*| -(o|MT|MF) \S+| -MD", "", entry["command"])
+        alike.setdefault((path.parent, command.replace(str(path), "SOURCE")), {})[name] = command
+    batches, seen = [], set()
+    for files in alike.values():
+        fresh = [(name, command) for name, command in sorted(files.items()) if name not in seen]
+        seen.update(name for name, _ in fresh)
+        batches.extend(fresh[i:i + BATCH] for i in range(0, len(fresh), BATCH))
     return sorted(batches)
 
 
@@ -84,8 +85,7 @@ def check(batch, folder):
         own = folder / hashlib.sha256("".join(name for name, _ in batch).encode()).hexdigest()[:16]
         own.mkdir(exist_ok=True)
         together = own / "together.cpp"
-        # In the other order than the compiler: what one lacks, only neighbours in both orders can hide.
-        together.write_text("".join(f'#include "{ROOT / name}"\n' for name, _ in reversed(batch)), encoding="utf-8")
+        together.write_text("".join(f'#include "{ROOT / name}"\n' for name, _ in batch), encoding="utf-8")
         write_commands(own, [(together, command.replace(str(ROOT / first), str(together)))])
         if not findings(together, own, "--checks=-bugprone-suspicious-include"):
             return {name: "" for name, _ in batch}
