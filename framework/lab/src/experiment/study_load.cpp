@@ -1,7 +1,6 @@
 // From a study file to a checked study: what the keys name is read, the grid of methods is laid out.
 #include <fmt/format.h>
 #include <glob.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <map>
@@ -17,6 +16,7 @@
 #include "aslio/experiment/study.hpp"
 #include "aslio/experiment/study_expectation.hpp"
 #include "aslio/pipeline/stage_set.hpp"
+#include "recording_identity.hpp"
 #include "study_axes.hpp"
 #include "study_differences.hpp"
 
@@ -28,32 +28,7 @@ namespace fs = std::filesystem;
 using config::Location;
 using config::Node;
 
-constexpr std::size_t kMostMethods = 10'000;
-
-/// Size and time of change: bags are too large to be read for every look at a study.
-std::string file_identity(const fs::path& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return "gone";
-  return fmt::format("{} {}.{:09}", status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
-}
-
-std::string input_identity(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) return file_identity(path);
-  std::vector<std::string> lines;
-  for (const auto& entry : fs::recursive_directory_iterator(path, error)) {
-    lines.push_back(entry.path().lexically_relative(path).generic_string() + " " + file_identity(entry.path()));
-  }
-  std::sort(lines.begin(), lines.end());
-  return fmt::format("{}", fmt::join(lines, "\n"));
-}
-
-std::string recording_identity(const Dataset& dataset) {
-  std::string text = fmt::format("recording\n{}\n{}\n{}\n", dataset.resolved, input_identity(dataset.input),
-                                 sha256_of_file(dataset.sensor));
-  if (dataset.reference) text += sha256_of_file(*dataset.reference);
-  return sha256_of(text);
-}
+constexpr std::size_t kMaxMethods = 10'000;
 
 /// The stages that read what a run of the study makes: "window" for `window.file={run:as_lio_plus}/updates.csv`.
 std::vector<std::string> made_later(const std::vector<std::string>& assignments) {
@@ -86,10 +61,7 @@ class Reader {
 
   Study read() {
     const std::string text = config::read_text(study_.path);
-    study_.resolved =
-        config::bind_text(text, study_.path.string(), config::FileKind::study, stages_, {}, [&](config::Binder& b) {
-          StudyConfig::describe(b, study_.config);
-        }).resolved;
+    bind(text);
     root_ = config::parse_document(text, study_.path.string());
     for (const double seed : study_.config.order_seeds) study_.order_seeds.push_back(static_cast<std::uint64_t>(seed));
     lay_out_axes();
@@ -98,6 +70,9 @@ class Reader {
     require_known_methods();
     lay_out_methods();
     require_distinct_folders();
+    if (!wrong_keys_.empty()) {
+      throw ConfigError(problems_.size() == 0 ? wrong_keys_ : wrong_keys_ + "\n" + problems_.text());
+    }
     const bool all_resolved = problems_.size() == 0;
     find_baselines();
     check_rules();
@@ -107,6 +82,19 @@ class Reader {
   }
 
  private:
+  /// Reads the keys. One that is wrong does not keep back what is wrong with the files that others name.
+  void bind(const std::string& text) {
+    try {
+      study_.resolved =
+          config::bind_text(text, study_.path.string(), config::FileKind::study, stages_, {}, [&](config::Binder& b) {
+            StudyConfig::describe(b, study_.config);
+          }).resolved;
+    } catch (const ConfigError& error) {
+      wrong_keys_ = error.what();
+      study_.config.vary.clear();
+    }
+  }
+
   fs::path at(const std::string& written) const { return (folder_ / written).lexically_normal(); }
 
   /// Place of `key` in item `index` of `list`; of the item where the key was left out.
@@ -128,6 +116,7 @@ class Reader {
   }
 
   void add_data(const StudyDataConfig& config, std::size_t index) {
+    if (config.scene.empty() == config.dataset.empty()) return;  // one of the two is due, which has been noted
     if (config.scene.empty()) {
       add_recordings(config, index);
     } else {
@@ -200,7 +189,9 @@ class Reader {
     data.texts = {data.scene};
     data.scale = reading_.scale;
     data.sequence = config.name.empty() ? data.scene.stem().string() : config.name;
-    const auto seeds = *(reading_.seeds ? reading_.seeds : parse_seeds(config.seeds));
+    const auto read = reading_.seeds ? reading_.seeds : parse_seeds(config.seeds);
+    if (!read || read->empty()) return;
+    const auto& seeds = *read;
     const bool by_seed = with_seed(config.set, seeds.front()) != config.set;
     try {
       ResolvedScene resolved = reading_.resolve_scene(data.scene, with_seed(config.set, seeds.front()));
@@ -269,6 +260,7 @@ class Reader {
   void lay_out_methods() {
     for (std::size_t i = 0; i < study_.config.methods.size(); ++i) {
       const StudyMethodConfig& config = study_.config.methods[i];
+      if (config.name.empty() || config.pipeline.empty()) continue;  // which has been noted
       if (!valid_name(config.name)) {
         problems_.add(place("methods", i, "name"), fmt::format("'{}' {}", config.name, kNameRule));
         continue;
@@ -309,8 +301,8 @@ class Reader {
       method.axes.insert(method.axes.end(), point.values.begin(), point.values.end());
       method.name += point.suffix;
     }
-    if (study_.methods.size() >= kMostMethods) {
-      problems_.add(place("vary", 0, "values"), fmt::format("more than {} methods in the grid", kMostMethods));
+    if (study_.methods.size() >= kMaxMethods) {
+      problems_.add(place("vary", 0, "values"), fmt::format("more than {} methods in the grid", kMaxMethods));
       return;
     }
     if (!valid_name(method.name) || find_method(method.name)) {
@@ -487,7 +479,8 @@ class Reader {
   Node root_;
   Grid points_;
   config::Problems problems_;
-  std::vector<std::size_t> data_entries_;                              // by data: index in `datasets`
+  std::string wrong_keys_;                 ///< what the keys themselves have wrong, a line each
+  std::vector<std::size_t> data_entries_;  // by data: index in `datasets`
   std::map<std::string, std::pair<std::string, std::size_t>> scenes_;  ///< what is behind a sequence, and its entry
 };
 

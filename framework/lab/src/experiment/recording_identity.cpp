@@ -1,0 +1,44 @@
+#include "recording_identity.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "aslio/core/sha256.hpp"
+
+namespace aslio::experiment {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Size and time of change: bags are too large to be read for every look at a study.
+std::string file_identity(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return "gone";
+  return fmt::format("{} {}.{:09}", status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+}
+
+std::string input_identity(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return file_identity(path);
+  std::vector<std::string> lines;
+  for (const auto& entry : fs::recursive_directory_iterator(path, error)) {
+    lines.push_back(entry.path().lexically_relative(path).generic_string() + " " + file_identity(entry.path()));
+  }
+  std::sort(lines.begin(), lines.end());
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
+}  // namespace
+
+std::string recording_identity(const Dataset& dataset) {
+  std::string text = fmt::format("recording\n{}\n{}\n{}\n", dataset.resolved, input_identity(dataset.input),
+                                 sha256_of_file(dataset.sensor));
+  if (dataset.reference) text += sha256_of_file(*dataset.reference);
+  return sha256_of(text);
+}
+
+}  // namespace aslio::experiment

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "aslio/experiment/dataset.hpp"
+
+namespace aslio::experiment {
+
+/// What a recording and its files are: equal as long as none of them changes. Of the data themselves size and time, of
+/// sensor and reference the content.
+std::string recording_identity(const Dataset& dataset);
+
+}  // namespace aslio::experiment
