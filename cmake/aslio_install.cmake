@@ -1,4 +1,4 @@
-# The export set: the rooms add their targets to it (framework/, plugins/, tools/aslio).
+# The export set: the modules add their targets to it (framework/, plugins/, tools/aslio).
 include(CMakePackageConfigHelpers)
 set(aslio_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/aslio)
 set(aslio_data_dir ${CMAKE_INSTALL_DATADIR}/aslio)

@@ -12,7 +12,7 @@ set(ASLIO_EXEC_BACKEND threads CACHE STRING "Thread backend of exec: threads (sl
 set_property(CACHE ASLIO_EXEC_BACKEND PROPERTY STRINGS threads openmp)
 set(ASLIO_SANITIZE none CACHE STRING "none, address (with undefined), thread, or fuzz (address, and what libFuzzer needs of Clang)")
 set_property(CACHE ASLIO_SANITIZE PROPERTY STRINGS none address thread fuzz)
-set(ASLIO_TEST_ROOMS "" CACHE STRING "Folders of tests/ that are built, as core;io, with what they need and nothing else; empty: all")
+set(ASLIO_TEST_MODULES "" CACHE STRING "Folders of tests/ that are built, as core;io, with what they need and nothing else; empty: all")
 set(ASLIO_WITH_PCL AUTO CACHE STRING "PCL behind io: AUTO (when found), ON (required) or OFF")
 set_property(CACHE ASLIO_WITH_PCL PROPERTY STRINGS AUTO ON OFF)
 set(ASLIO_REPORT AUTO CACHE STRING "Page of `aslio report`, built by npm: AUTO (when npm can), ON (required) or OFF")

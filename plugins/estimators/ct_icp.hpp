@@ -4,7 +4,7 @@
 #include "aslio/stages/build_context.hpp"
 #include "aslio/toolkit/begin_end.hpp"
 #include "aslio/toolkit/constant_twist.hpp"
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 #include "aslio/toolkit/imu_track.hpp"
 #include "aslio/toolkit/information_update.hpp"
 #include "aslio/toolkit/point_matches.hpp"
@@ -78,7 +78,7 @@ class CtIcp final : public Estimator {
   NavState begin_, prior_;  ///< ends of the window before anything was measured
   BeginEnd path_;
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};  ///< the same path, for the frame
-  Frame frame_;
+  DeskewedScan frame_;
   PointMatches fresh_, history_;
   std::vector<double> share_;  ///< of the window that has passed, per fresh match
   std::vector<BeginEndInformation> partials_;

@@ -91,7 +91,7 @@ void FixedLagSmoother::smooth(const Preintegration& motion, const Update& found)
   guess.b_w = window_.newest().b_w;
   guess.b_a = window_.newest().b_a;
   window_.append(motion, guess);
-  if (found.accepted) window_.measure(found.state.pose(), found.leaves_open());
+  if (found.accepted) window_.measure(found.state.pose(), found.unobservable_direction());
   if (window_.solve() && plausible(window_.newest())) {
     InertialEstimate::of(window_.newest()).put(state_);
     return;

@@ -32,7 +32,7 @@ void Ieskf::reset(const InitialState& initial) {
   frame_.set_extrinsic(sensors_.T_imu_lidar());
   sensors_.start_map(state_, params_.estimated.gravity != Gravity::fixed, P_);
   dead_reckoning_.forget();
-  left_open_ = false;
+  unobservable_ = false;
   result_ = Update{};
 }
 
@@ -61,7 +61,7 @@ void Ieskf::propagate(const Window& window) {
       turned.middleCols<kStateDim - block::b_w>(block::b_w) +=
           F.block<3, kStateDim - block::b_w>(block::theta, block::b_w);
     }
-    const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, {left_open_, window.imu_gap});
+    const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, {unobservable_, window.imu_gap});
     motion_->propagate_covariance(state, from, to, noise, P_);
     if (sensors_.active()) sensors_.propagate(F, from, to, P_);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);
@@ -93,7 +93,7 @@ void Ieskf::associate(WindowMatches& set, const NavState& at, const Map& map, st
 }
 
 /// The normal equations of what the points see (eq. DSK-3).
-void Ieskf::observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const {
+void Ieskf::project_to_seen(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const {
   A.setZero();
   b.setZero();
   A.topLeftCorner<6, 6>() = sum.A;
@@ -117,7 +117,7 @@ void Ieskf::load_fresh() {
 }
 
 /// Brings the fresh points to the end of the window again, as the iterate says.
-void Ieskf::follow(const NavState& at) {
+void Ieskf::redeskew(const NavState& at) {
   const CpuTimer timer(result_.times.deskew, result_.times.solve);
   if (sensors_.active()) frame_.set_extrinsic(sensors_.T_imu_lidar());
   if (params_.deskew_correction == DeskewCorrection::state) {
@@ -144,7 +144,7 @@ std::int64_t Ieskf::matches(const WindowInformation& sum) const {
 }
 
 /// All residuals at the iterate.
-Ieskf::Evaluation Ieskf::measure(const NavState& at, const StepContext& context) {
+Ieskf::Evaluation Ieskf::linearize(const NavState& at, const StepContext& context) {
   Evaluation sums;
   sums.fresh = fresh_.sum_up(*residual_, sigma_, at, std::numeric_limits<double>::infinity(), exec_);
   sums.history = history_.sum_up(*residual_, sigma_, at, context.histories.gate(sigma_), exec_);
@@ -157,22 +157,22 @@ Ieskf::Evaluation Ieskf::measure(const NavState& at, const StepContext& context)
 double Ieskf::innovation_per_row(const WindowInformation& fresh) const {
   SeenMatrix A;
   SeenVector b;
-  observe(fresh, A, b);
+  project_to_seen(fresh, A, b);
   const double nis = sensors_.active() ? sensors_.squared_innovation(P_, seen_, state_.R, A, b, fresh.weighted_sum)
                                        : squared_innovation<kSeenDim>(P_, seen_, A, b, fresh.weighted_sum);
   return nis / static_cast<double>(fresh.accepted);
 }
 
 /// From the iterate `at`, which is `d` from the prior; `P` is the prior's covariance seen from there.
-StateVector Ieskf::step(const NavState& at, const StateVector& d, const StateMatrix& P, const Normal& normal) {
+StateVector Ieskf::step(const NavState& at, const StateVector& d, const StateMatrix& P, const NormalEquations& normal) {
   if (sensors_.active()) return sensors_.step(P_, seen_, at, d, normal.A_all, normal.b_all);
   return iteration_step<kSeenDim>(P, seen_, normal.A_all, normal.b_all, d);
 }
 
 /// The normal equations of fresh points, and of all with the history's weight.
-Ieskf::Normal Ieskf::assemble(const Evaluation& sums, double history_weight) const {
-  Normal normal;
-  observe(sums.fresh, normal.A_new, normal.b_all);
+Ieskf::NormalEquations Ieskf::assemble(const Evaluation& sums, double history_weight) const {
+  NormalEquations normal;
+  project_to_seen(sums.fresh, normal.A_new, normal.b_all);
   normal.A_all = normal.A_new;
   normal.A_all.topLeftCorner<6, 6>() += history_weight * sums.history.A;
   normal.b_all.head<6>() += history_weight * sums.history.b;
@@ -196,17 +196,17 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
       }
     }
     const CpuTimer timer(result_.times.solve);
-    const Evaluation sums = measure(x, context);
+    const Evaluation sums = linearize(x, context);
     result_.iterations = j + 1;
     if (matches(sums.fresh) < params_.min_matches) return refuse(UpdateStatus::few_matches);
-    const Normal normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
+    const NormalEquations normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
     if (j == 0) result_.nis = innovation_per_row(sums.fresh);
     const StateVector delta = step(x, d, P, normal);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
     x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);
-    follow(x);
+    redeskew(x);
     const double turn = delta.segment<3>(block::theta).norm() / kRadPerDeg;
     const double shift = delta.segment<3>(block::p).norm();
     const bool converged = turn < params_.converged_deg && shift < params_.converged_m;
@@ -223,14 +223,14 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
 }
 
 void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
-                   const Normal& normal, const HistorySelection& past) {
+                   const NormalEquations& normal, const HistorySelection& past) {
   const StateMatrix P =
       sensors_.active() ? sensors_.posterior(normal.A_new, normal.A_all, past.covariance)
                         : posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
   judge_view(result_, last.fresh.A, params_.degenerate_sigma, plan_);
-  left_open_ = result_.left_open;
+  unobservable_ = result_.unobservable;
   state_ = posterior;
   P_ = P;
   result_.accepted = true;
@@ -251,7 +251,7 @@ void Ieskf::refuse(UpdateStatus status) {
   result_.status = status;
   result_.accepted = false;
   sensors_.restore();
-  left_open_ = dead_reckoning_.begun();
+  unobservable_ = dead_reckoning_.begun();
   // Unseen space can only become known by inserting it: go on while dead reckoning is still good (eq. IESKF-8).
   result_.insert = status == UpdateStatus::few_matches && dead_reckoning_.good(state_.t, P_);
 }

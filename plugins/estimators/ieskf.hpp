@@ -76,7 +76,7 @@ class Ieskf final : public Estimator {
     WindowInformation fresh, history;
   };
   /// Normal equations of what the points see: of fresh residuals, and of all with the history weighted.
-  struct Normal {
+  struct NormalEquations {
     SeenMatrix A_new, A_all;
     SeenVector b_all;
   };
@@ -87,16 +87,16 @@ class Ieskf final : public Estimator {
   void iterate(const HistorySelection& past, const StepContext& context);
   /// What the points match where `at` has placed them.
   void associate(WindowMatches& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
-  void observe(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
+  void project_to_seen(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
   void load_fresh();
-  void follow(const NavState& at);
+  void redeskew(const NavState& at);
   std::int64_t matches(const WindowInformation& sum) const;
-  Evaluation measure(const NavState& at, const StepContext& context);
+  Evaluation linearize(const NavState& at, const StepContext& context);
   double innovation_per_row(const WindowInformation& fresh) const;
-  StateVector step(const NavState& at, const StateVector& d, const StateMatrix& P, const Normal& normal);
-  Normal assemble(const Evaluation& sums, double history_weight) const;
-  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last, const Normal& normal,
-              const HistorySelection& past);
+  StateVector step(const NavState& at, const StateVector& d, const StateMatrix& P, const NormalEquations& normal);
+  NormalEquations assemble(const Evaluation& sums, double history_weight) const;
+  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
+              const NormalEquations& normal, const HistorySelection& past);
   void refuse(UpdateStatus status);
   void record_residuals();
   void finish(bool predicted);
@@ -114,11 +114,11 @@ class Ieskf final : public Estimator {
   StateMatrix P_ = StateMatrix::Zero();
   SensorStates sensors_;
   DeadReckoning dead_reckoning_;
-  bool left_open_ = false;  ///< the last update left a direction open, or was refused after others were not
+  bool unobservable_ = false;  ///< the last update left a direction open, or was refused after others were not
 
   SeenRows seen_ = SeenRows::Zero();
   WindowPath path_;
-  Frame frame_;
+  DeskewedScan frame_;
   WindowMatches fresh_, history_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update

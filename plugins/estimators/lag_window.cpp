@@ -36,7 +36,7 @@ void LagWindow::measure(const Pose& pose, bool degenerate) {
   terms_.push_back(std::make_unique<PoseTerm>(static_cast<int>(nodes_.size()) - 1, pose, rotation, position));
 }
 
-void LagWindow::add(const StateTerm& term, const std::vector<NavState>& nodes, Normal& normal) const {
+void LagWindow::add(const StateTerm& term, const std::vector<NavState>& nodes, NormalEquations& normal) const {
   const auto i = static_cast<std::size_t>(term.node());
   const StateTerm::At at = term.at(nodes[i], term.two() ? &nodes[i + 1] : nullptr);
   normal.own[i] += at.J_i.transpose() * at.J_i;
@@ -48,8 +48,8 @@ void LagWindow::add(const StateTerm& term, const std::vector<NavState>& nodes, N
   normal.slope[i + 1] += at.J_j.transpose() * at.r;
 }
 
-LagWindow::Normal LagWindow::linearise(const std::vector<NavState>& nodes) const {
-  Normal normal;
+LagWindow::NormalEquations LagWindow::linearise(const std::vector<NavState>& nodes) const {
+  NormalEquations normal;
   normal.own.assign(nodes.size(), Mat15::Zero());
   normal.below.assign(nodes.size(), Mat15::Zero());
   normal.slope.assign(nodes.size(), Vec15::Zero());
@@ -59,7 +59,7 @@ LagWindow::Normal LagWindow::linearise(const std::vector<NavState>& nodes) const
 
 /// Solves for moves_, the oldest state first (a block Cholesky decomposition of the chain); covariance_ is that of the
 /// newest state when there is no damping. eq. LAG-4
-bool LagWindow::step(const Normal& normal, double damping) {
+bool LagWindow::step(const NormalEquations& normal, double damping) {
   const std::size_t n = nodes_.size();
   std::vector<Eigen::LLT<Mat15>> decomposed(n);
   std::vector<Vec15> slope = normal.slope;
@@ -87,13 +87,13 @@ bool LagWindow::step(const Normal& normal, double damping) {
 /// Levenberg-Marquardt.
 bool LagWindow::solve() {
   constexpr double small = 1e-8;  // relative decrease of the cost
-  Normal normal = linearise(nodes_);
+  NormalEquations normal = linearise(nodes_);
   double damping = 0;
   for (int j = 0; j < params_.max_iterations; ++j) {
     if (!step(normal, damping)) return false;
     std::vector<NavState> there = nodes_;
     for (std::size_t i = 0; i < there.size(); ++i) there[i] = moved(there[i], moves_[i]);
-    Normal next = linearise(there);
+    NormalEquations next = linearise(there);
     if (!std::isfinite(next.cost)) return false;
     if (next.cost > normal.cost * (1.0 + small)) {
       damping = damping == 0 ? 1e-4 : 10 * damping;
@@ -114,7 +114,7 @@ bool LagWindow::solve() {
 
 /// eq. LAG-3
 bool LagWindow::drop_oldest() {
-  Normal normal;
+  NormalEquations normal;
   normal.own.assign(2, Mat15::Zero());
   normal.below.assign(2, Mat15::Zero());
   normal.slope.assign(2, Vec15::Zero());

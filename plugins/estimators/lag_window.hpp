@@ -38,15 +38,15 @@ class LagWindow {
 
  private:
   /// J^T J and J^T r of all terms: blocks of a chain.
-  struct Normal {
+  struct NormalEquations {
     std::vector<Mat15> own, below;  ///< of each state; of the next state with it
     std::vector<Vec15> slope;
     double cost = 0;  ///< sum of squares
   };
 
-  void add(const StateTerm& term, const std::vector<NavState>& nodes, Normal& normal) const;
-  Normal linearise(const std::vector<NavState>& nodes) const;
-  bool step(const Normal& normal, double damping);
+  void add(const StateTerm& term, const std::vector<NavState>& nodes, NormalEquations& normal) const;
+  NormalEquations linearise(const std::vector<NavState>& nodes) const;
+  bool step(const NormalEquations& normal, double damping);
   bool drop_oldest();
 
   Params params_;

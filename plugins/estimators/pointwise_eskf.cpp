@@ -49,7 +49,7 @@ void PointwiseEskf::reset(const InitialState& initial) {
   velocity_.begin(initial);
   const NavState& s = initial.state;
   now_.x = {s.t, s.R, s.p, s.v, Vec3::Zero(), -(s.R.transpose() * s.g), s.g, s.b_w, s.b_a};
-  doubt(initial.sigma_velocity);
+  reset_covariance(initial.sigma_velocity);
   now_.covariance_t = s.t;
   dead_reckoning_.forget();
   result_ = Update{};
@@ -63,7 +63,7 @@ void PointwiseEskf::adopt(const InertialEstimate& better) {
 }
 
 /// The covariance of the start.
-void PointwiseEskf::doubt(double sigma_velocity) {
+void PointwiseEskf::reset_covariance(double sigma_velocity) {
   constexpr double rate_variance = 0.01, force_variance = 0.01;
   EstimatedStates estimated;
   estimated.gravity = params_.gravity;
@@ -109,7 +109,7 @@ void PointwiseEskf::find_velocity_alone(const PointwiseState& begin) {
   x.w = even.w;
   x.a = -(x.R.transpose() * x.g);
   mark();
-  doubt(velocity_.sigma_velocity());
+  reset_covariance(velocity_.sigma_velocity());
   result_.restart_map = true;
 }
 

@@ -3,7 +3,7 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/toolkit/dead_reckoning.hpp"
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 #include "aslio/toolkit/initial_covariance.hpp"
 #include "aslio/toolkit/registration.hpp"
 #include "aslio/toolkit/velocity_search.hpp"
@@ -57,7 +57,7 @@ class PointwiseEskf final : public Estimator {
   };
 
   void sample(const Window& window, const StepContext& context);
-  void doubt(double sigma_velocity);
+  void reset_covariance(double sigma_velocity);
   void find_velocity_alone(const PointwiseState& begin);
   ImuSample between(const ImuSample& from, const ImuSample& to, double share) const;
   void load_imu(const Window& window);
@@ -81,7 +81,7 @@ class PointwiseEskf final : public Estimator {
   NavState state_;
   DeadReckoning dead_reckoning_;
 
-  Frame frame_;
+  DeskewedScan frame_;
   KnotTrajectory trajectory_;
   // Of one firing.
   std::vector<Vec3> world_;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "aslio/core/mean_input.hpp"
+#include "aslio/core/imu_mean.hpp"
 #include "aslio/toolkit/imu_noise.hpp"
 
 namespace aslio::plugins {
@@ -23,7 +23,7 @@ Preintegration::Preintegration(std::span<const ImuSample> samples, const NavStat
 
 void Preintegration::step(const ImuSample& from, const ImuSample& to, const NavState& known,
                           const InertialNoise& noise) {
-  const MeanInput u(known, from, to);  // eq. MOT-6: sensitivity and delay would come back as a bias
+  const ImuMean u(known, from, to);  // eq. MOT-6: sensitivity and delay would come back as a bias
   const double dt = u.dt;
   if (dt <= 0) return;
   const Vec3 phi = dt * u.w, half = 0.5 * phi;

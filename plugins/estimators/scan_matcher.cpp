@@ -196,7 +196,7 @@ void ScanMatcher::accept() {
     const Mat6 rest = Mat6::Identity() - last_->held;
     information += rest * measured(*before_) * rest;
   }
-  result_.left_open = last_->degenerate;
+  result_.unobservable = last_->degenerate;
   result_.status = last_->degenerate  ? UpdateStatus::degenerate
                    : last_->converged ? UpdateStatus::ok
                                       : UpdateStatus::not_converged;
@@ -271,7 +271,7 @@ void ScanMatcher::finish() {
   frame_.place(trajectory_);
   record_matches();
   if (params_.sweep_searches > 0) {
-    for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.build(frame_.world(Tap::map), kind->feature);
+    for (Kind* kind : {&lines_, &planes_}) kind->last_sweep.build(frame_.world(PointUse::map), kind->feature);
   }
   result_.P = uses_imu() ? imu_.P() : P_;
   hand_over(result_, frame_, records_, state_, {&state_, 1}, trajectory_);

@@ -5,7 +5,7 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/toolkit/constant_twist.hpp"
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 #include "aslio/toolkit/imu_track.hpp"
 #include "aslio/toolkit/information_update.hpp"
 #include "aslio/toolkit/point_matches.hpp"
@@ -117,7 +117,7 @@ class ScanMatcher final : public Estimator {
 
   NavState prior_;
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
-  Frame frame_;
+  DeskewedScan frame_;
   std::optional<Descent> last_,
       before_;               ///< of this window, taken: the last, and that against the last sweep before it
   bool not_finite_ = false;  ///< a step of this window was not

@@ -22,7 +22,7 @@ void Smoother::reset(const InitialState& initial) {
   velocity_.begin(initial);
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
-  left_open_ = false;
+  unobservable_ = false;
   dead_reckoning_.forget();
   for (auto& slice : slices_) spare_.push_back(std::move(slice));  // of another time, perhaps a later one
   slices_.clear();
@@ -58,7 +58,7 @@ void Smoother::associate(const Map& map) {
     slice.points.match(map, *residual_, frame_.viewpoint(slice.state.pose()), max_stamp);
     sets_.push_back(slice.points.surfaces);
   }
-  if (residual_->counts_sharers()) tally_.count(sets_);
+  if (residual_->counts_shared_matches()) tally_.count(sets_);
 }
 
 /// Rows of the points of a slice as they are placed and matched.
@@ -186,7 +186,7 @@ void Smoother::accept() {
   Mat6 into = Mat6::Identity();
   into.topLeftCorner<3, 3>() = state_.R;
   judge_view(result_, into.transpose() * fresh.A0 * into, params_.degenerate_sigma, plan_);
-  left_open_ = result_.left_open;
+  unobservable_ = result_.unobservable;
   result_.accepted = true;
   trace_all();
   if (velocity_.active()) find_velocity_alone();
@@ -214,7 +214,7 @@ void Smoother::refuse(UpdateStatus status) {
   restore();
   predict_covariance();
   state_ = slices_.back()->state;
-  left_open_ = dead_reckoning_.begun();
+  unobservable_ = dead_reckoning_.begun();
   result_.insert = status == UpdateStatus::few_matches && dead_reckoning_.good(state_.t, P_);
 }
 
@@ -232,7 +232,7 @@ const Update& Smoother::update(const Window& window, const HistorySelection&, co
   if (!predicted) {
     result_.status = UpdateStatus::non_finite;
     result_.insert = false;
-    left_open_ = dead_reckoning_.begun();
+    unobservable_ = dead_reckoning_.begun();
   } else if (context.map.size() == 0) {
     predict_covariance();
     state_ = slices_.back()->state;

@@ -3,7 +3,7 @@
 #include "aslio/config/binder.hpp"
 #include "aslio/stages/build_context.hpp"
 #include "aslio/toolkit/dead_reckoning.hpp"
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 #include "aslio/toolkit/imu_noise.hpp"
 #include "aslio/toolkit/initial_covariance.hpp"
 #include "aslio/toolkit/point_matches.hpp"
@@ -107,7 +107,7 @@ class Smoother final : public Estimator, private PointRevision {
   VelocitySearch velocity_;
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
-  bool left_open_ = false;  ///< the last update left a direction open, or was refused after others were not
+  bool unobservable_ = false;  ///< the last update left a direction open, or was refused after others were not
   DeadReckoning dead_reckoning_;
 
   // The chain: belief and iterate at its begin, then the slices from first_ on; those from fresh_ on are of this
@@ -121,7 +121,7 @@ class Smoother final : public Estimator, private PointRevision {
   std::vector<NavState> before_;  ///< iterates at the begin of an update: begin of the chain, then slices
 
   WindowTrajectory carried_{WindowTrajectory::Spread::rigid};  ///< the prediction, for the samplers
-  Frame frame_;
+  DeskewedScan frame_;
   SliceChain chain_;
   std::vector<NavState> states_;
   std::vector<SliceInformation> partials_;

@@ -53,7 +53,7 @@ Smoother::Slice& Smoother::add_slice() {
   slice.points.range.clear();
   slice.times.clear();
   slice.sums = {};
-  slice.noise_of = {left_open_, 0};
+  slice.noise_of = {unobservable_, 0};
   return slice;
 }
 
@@ -146,7 +146,7 @@ void Smoother::predict_covariance() {
   P_ = P_.allFinite() ? (0.5 * (P_ + P_.transpose())).eval() : before;
 }
 
-/// The points of the match tap to the slices that measured them, as measured.
+/// The points of the match use to the slices that measured them, as measured.
 void Smoother::hand_out_points() {
   const auto body = frame_.match_body();
   const auto range = frame_.match_range();

@@ -11,7 +11,7 @@ void WindowMatches::reserve(std::size_t n, const Residual& residual) {
   partials_.reserve(exec::Executor::chunk_count(body.capacity(), kGrain));
 }
 
-void WindowMatches::load(const Frame& frame) {
+void WindowMatches::load(const DeskewedScan& frame) {
   body.assign(frame.match_body().begin(), frame.match_body().end());
   range.assign(frame.match_range().begin(), frame.match_range().end());
   lag.clear();

@@ -4,14 +4,14 @@
 
 #include "aslio/core/types.hpp"
 #include "aslio/exec/executor.hpp"
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 #include "aslio/toolkit/information_update.hpp"
 #include "aslio/toolkit/point_matches.hpp"
 
 namespace aslio::plugins {
 
-/// Points of a window, fresh or of its history, over the iterations: what each sees of the error of the window's end, and
-/// the sums of their rows (docs/equations.md IESKF-1, DSK-3).
+/// Points of a window, fresh or of its history, over the iterations: what each sees of the error of the window's end,
+/// and the sums of their rows (docs/equations.md IESKF-1, DSK-3).
 struct WindowMatches : PointMatches {
   std::vector<double> lag;    ///< time before the end of the window [s]; empty: rows do not depend on it
   std::vector<double> share;  ///< of the pose error of the end that a point sees; empty: 1
@@ -20,9 +20,9 @@ struct WindowMatches : PointMatches {
   void reserve(std::size_t n, const Residual& residual);
   using PointMatches::load;
   /// The points of `frame` that are matched, at the end of its window. `lag` and `share` become empty.
-  void load(const Frame& frame);
-  /// Rows of all points at the pose of `at`, and their sums over the points that lie within `gate` [m] of their surface.
-  /// The same bits for any number of threads.
+  void load(const DeskewedScan& frame);
+  /// Rows of all points at the pose of `at`, and their sums over the points that lie within `gate` [m] of their
+  /// surface. The same bits for any number of threads.
   WindowInformation sum_up(Residual& residual, double sigma, const NavState& at, double gate, exec::Executor& exec);
 
  private:

@@ -19,8 +19,8 @@ class WindowPath {
   void append(const MotionSegment& segment, const NavState& state);
   /// Once nothing is left to append: without a sample inside, `end` is the one state.
   void close(const NavState& end);
-  /// The path that ends in `end` when `motion` reads the samples with the biases and the calibration of `end`: its begin
-  /// turns and moves (docs/equations.md DSK-3).
+  /// The path that ends in `end` when `motion` reads the samples with the biases and the calibration of `end`: its
+  /// begin turns and moves (docs/equations.md DSK-3).
   void repropagate(const MotionModel& motion, const NavState& end);
 
   const NavState& begin() const { return begin_; }

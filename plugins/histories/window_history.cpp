@@ -76,7 +76,7 @@ std::size_t WindowHistory::most(const Window& window, std::size_t offered) const
 }
 
 void WindowHistory::commit(const Window& window, const Update& update) {
-  const auto points = update.points(Tap::match);
+  const auto points = update.points(PointUse::match);
   for (std::size_t i = 0; i < points.size(); ++i) {
     HistoryPoint point{.p_W = points[i].p_W, .t = points[i].t, .range = points[i].range};
     point.residual = i < update.matches.size() ? residual_of(update.matches[i]) : -1.0f;

@@ -13,10 +13,10 @@ InsertCount InsertKeyframe::apply(const Window& window, const Update& update, Ma
   const bool enough = !begun_ || map.size() == 0 || update.restart_map ||
                       (pose.p - last_.p).norm() >= params_.distance ||
                       log_so3(last_.R.transpose() * pose.R).norm() >= params_.turn;
-  if (!enough) return {update.points(Tap::map).size(), 0};
+  if (!enough) return {update.points(PointUse::map).size(), 0};
   begun_ = true;
   last_ = pose;
-  return map.insert(update.points(Tap::map), window.sequence);
+  return map.insert(update.points(PointUse::map), window.sequence);
 }
 
 }  // namespace aslio::plugins

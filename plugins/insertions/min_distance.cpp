@@ -10,7 +10,7 @@ void InsertMinDistance::describe(config::Binder& b, Params& p) {
 }
 
 InsertCount InsertMinDistance::apply(const Window& window, const Update& update, Map& map) {
-  return insert_by_kind(update.points(Tap::map), own_, [&](std::span<const WorldPoint> points, std::uint8_t kind) {
+  return insert_by_kind(update.points(PointUse::map), own_, [&](std::span<const WorldPoint> points, std::uint8_t kind) {
     return insert(points, kind, window.sequence, map);
   });
 }

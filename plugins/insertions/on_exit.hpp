@@ -7,7 +7,7 @@
 
 namespace aslio::plugins {
 
-/// `on_exit`: a fresh point of the map tap enters the map when it leaves the window, once, where its own update placed
+/// `on_exit`: a fresh point of the map use enters the map when it leaves the window, once, where its own update placed
 /// it, or where the estimator holds it by then (Update::revision), and under the stamp of that update: before the first
 /// update whose window begins at its time or later. So no point of a window ever meets itself or its neighbours in
 /// time, and the map lags by a window; where windows are no longer than their fresh interval, it is that of `on_new`.
@@ -29,9 +29,9 @@ class InsertOnExit final : public Insertion {
     revision_ = update.revision;
     if (update.restart_map) {
       waiting_.clear();
-      return map.insert(update.points(Tap::map), window.sequence);
+      return map.insert(update.points(PointUse::map), window.sequence);
     }
-    waiting_.append(update.points(Tap::map), window.sequence);
+    waiting_.append(update.points(PointUse::map), window.sequence);
     return {};
   }
   void finish(Map& map) override { insert(kTimeMax, map); }

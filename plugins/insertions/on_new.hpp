@@ -15,7 +15,7 @@ class InsertOnNew final : public Insertion {
   InsertOnNew(const Params&, const BuildContext&) {}
 
   InsertCount apply(const Window& window, const Update& update, Map& map) override {
-    return map.insert(update.points(Tap::map), window.sequence);
+    return map.insert(update.points(PointUse::map), window.sequence);
   }
 };
 

@@ -10,7 +10,7 @@ InsertCount InsertWholeWindow::apply(const Window& window, const Update& update,
   } else {
     window_.leave(window.plan.history_begin, [](std::span<const WorldPoint>, std::uint32_t) {});
   }
-  const auto old = window_.inside(), fresh = update.points(Tap::map);
+  const auto old = window_.inside(), fresh = update.points(PointUse::map);
   placed_.assign(old.begin(), old.end());
   if (update.revision != nullptr) {  // it knows better than this update's correction alone where they lie
     for (WorldPoint& point : placed_) point.p_W = update.revision->place(point);

@@ -17,16 +17,16 @@ constexpr std::size_t kSurfacesPerChunk = 256;
 constexpr std::size_t kBatch = CellBatch::kSize;
 constexpr std::uint32_t kNone = CellIndex::kNone;
 /// Of the variances along the two directions of a plane: a line spans none.
-constexpr double kLeastSpread = 0.05;
+constexpr double kMinSpread = 0.05;
 /// Of a direction in the plane to the thickness: a clump spans none.
-constexpr double kLeastAspect = 9;
+constexpr double kMinAspect = 9;
 /// The same where noise makes planes thick: in a voxel of 0.5 m, 9 is more than any plane has with 5 cm of noise.
-constexpr double kLeastNoisyAspect = 2;
+constexpr double kMinNoisyAspect = 2;
 /// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels: what is below it is
 /// rounding, and may be negative. Of up to kRoundingPoints; of more, it grows as fast as their square at most.
 constexpr double kRounding = 1e-6, kRoundingPoints = 500;
 /// Of so many points the sums err by less than what a LiDAR's noise leaves; of a million, they lose whole points.
-constexpr double kMostPoints = 10000;
+constexpr double kMaxPoints = 10000;
 /// Growth of the count that is worth a new fit.
 constexpr double kRefit = 1.1;
 /// Sine of the angle between view and plane below which the side it is seen from is not certain: 6 deg.
@@ -35,7 +35,7 @@ constexpr float kGrazing = 0.1F;
 constexpr float kOwn = 2;
 /// Of a unit vector, and how many of them a sum of 16 bits holds.
 constexpr float kViewSteps = 127;
-constexpr std::uint32_t kMostViews = 256;
+constexpr std::uint32_t kMaxViews = 256;
 
 /// Of the grid against the origin, in voxels: walls stand at round numbers, and a wall in the face between two voxels
 /// has half of its points in each.
@@ -59,8 +59,8 @@ Eigen::Vector3f sum_of(const std::array<std::int16_t, 3>& view) { return Eigen::
 void VoxelPlane::describe(config::Binder& b, Params& p) {
   b.real("voxel", p.voxel, "m", {.min = 0.05, .max = 10.0}, "edge of the coarsest voxels");
   b.integer("levels", p.levels, "", {.min = 1, .max = 6}, "levels; each has half the edge of the one above");
-  b.integer("min_points", p.min_points, "", {.min = 4, .max = kMostPoints}, "points a plane needs");
-  b.integer("max_points", p.max_points, "", {.min = 4, .max = kMostPoints}, "points after which a voxel is closed");
+  b.integer("min_points", p.min_points, "", {.min = 4, .max = kMaxPoints}, "points a plane needs");
+  b.integer("max_points", p.max_points, "", {.min = 4, .max = kMaxPoints}, "points after which a voxel is closed");
   b.real("thickness", p.thickness, "m", {.above = 0.0, .max = 1.0},
          "greatest standard deviation of the points across their plane");
   b.real("doubt", p.doubt, "", {.min = 0.0, .max = 1e6},
@@ -74,7 +74,7 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context, double phase)
     : params_(params),
       thickness_(params.thickness),
-      aspect_(kLeastAspect),
+      aspect_(kMinAspect),
       offset_(kOffset + Vec3::Constant(phase)),
       exec_(context.exec) {}
 
@@ -344,7 +344,7 @@ inline bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const 
 }
 
 inline void VoxelPlane::sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view) {
-  if (++node.count <= kMostViews) {
+  if (++node.count <= kMaxViews) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       node.view[axis] = static_cast<std::int16_t>(node.view[axis] + view[axis]);
   }
@@ -371,7 +371,7 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   const Vec3& variance = solver.eigenvalues();  // ascending
   const double rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2));
   const double thin = std::max(variance[0], rounding * params_.voxel * params_.voxel);
-  const bool planar = variance[0] < thickness_ * thickness_ && variance[1] > kLeastSpread * variance[2] &&
+  const bool planar = variance[0] < thickness_ * thickness_ && variance[1] > kMinSpread * variance[2] &&
                       variance[1] > aspect_ * thin && solver.eigenvectors().allFinite();
   if (planar && !node.planar) node.stamp = stamp;
   node.planar = planar;
@@ -391,7 +391,7 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
 /// parts are gone.
 void VoxelPlane::set_noise_scale(double scale) {
   const double before = std::exchange(thickness_, params_.thickness * scale);
-  aspect_ = std::clamp(kLeastAspect / (scale * scale), kLeastNoisyAspect, kLeastAspect);
+  aspect_ = std::clamp(kMinAspect / (scale * scale), kMinNoisyAspect, kMinAspect);
   if (thickness_ <= before) return;
   for (std::uint32_t number = 0; number < roots_.size(); ++number)
     if (roots_[number].in_use) judge_again(roots_[number].node);

@@ -7,7 +7,7 @@ namespace aslio::plugins {
 namespace {
 
 ImuTransition euler_transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
-  const MeanInput u(before, from, to);
+  const ImuMean u(before, from, to);
   const double dt = u.dt;
   const Vec3 turn = dt * u.w;
   ImuTransition f(u);
@@ -33,7 +33,7 @@ ImuEuler::ImuEuler(const Params& params, const BuildContext& context) {
 }
 
 MotionSegment ImuEuler::step(NavState& state, const ImuSample& from, const ImuSample& to) const {
-  const MeanInput u(state, from, to);
+  const ImuMean u(state, from, to);
   const Vec3 a_W = state.R * u.a + state.g;  // eq. MOT-4
   const MotionSegment segment{from.t, u.dt, state.R, state.p, state.v, u.w, a_W};
   state.R = orthonormalised(state.R * exp_so3(u.dt * u.w));

@@ -7,7 +7,7 @@ namespace aslio::plugins {
 namespace {
 
 ImuTransition midpoint_transition(const NavState& before, const ImuSample& from, const ImuSample& to) {
-  const MeanInput u(before, from, to);
+  const ImuMean u(before, from, to);
   const Vec3 half_turn = 0.5 * u.dt * u.w;
   const Mat3 R_mid = before.R * exp_so3(half_turn);
   ImuTransition f(u);
@@ -32,7 +32,7 @@ void ImuMidpoint::describe(config::Binder& b, Params& p) {
 ImuMidpoint::ImuMidpoint(const Params& params, const BuildContext& context) : rate_(params.rate) { (void)context; }
 
 MotionSegment ImuMidpoint::step(NavState& state, const ImuSample& from, const ImuSample& to) const {
-  const MeanInput u(state, from, to);
+  const ImuMean u(state, from, to);
   // eq. MOT-1: rotate the force by the attitude in the middle; the start attitude would lag by half a step.
   const Vec3 a_W = state.R * (exp_so3(0.5 * u.dt * u.w) * u.a) + state.g;
   MotionSegment segment{from.t, u.dt, state.R, state.p, state.v, u.w, a_W};

@@ -2,14 +2,14 @@
 /// First-order transition of one IMU interval in block form, shared by the IMU motion models: only the blocks that are
 /// neither zero nor identity are stored, so that propagating P costs a few 3x28 products.
 
-#include "aslio/core/mean_input.hpp"
+#include "aslio/core/imu_mean.hpp"
 #include "aslio/stages/motion.hpp"
 
 namespace aslio::plugins {
 
 /// Error order (theta, p, v, b_w, b_a, g, s, d); noise order (n_w, n_a, n_bw, n_ba). docs/equations.md MOT-2.
 struct ImuTransition {
-  explicit ImuTransition(const MeanInput& input)
+  explicit ImuTransition(const ImuMean& input)
       : dt(input.dt), w_measured(input.w_measured), w_change(input.w_change), a_change(input.a_change) {}
 
   double dt = 0;

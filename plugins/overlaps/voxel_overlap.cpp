@@ -78,7 +78,7 @@ void VoxelOverlap::choose(std::span<const WorldPoint> points, TimeNs t) {
   scored_.clear();
   point_of_.clear();
   next_scored_ = 0;
-  OneOfEachRun choice(taken, n, order_seed_);
+  StratifiedPick choice(taken, n, order_seed_);
   for (std::size_t i = 0; i < taken; ++i) {
     const std::size_t index = choice.next();
     Cell cell;

@@ -112,7 +112,7 @@ double PointToPlane::weight(double r) const {
 
 void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> range,
                             std::span<const Surface> surfaces, double sigma, std::span<ResidualRow> rows) {
-  const bool shared = counts_sharers();
+  const bool shared = counts_shared_matches();
   const double variance = sigma * sigma, common = params_.plane_sigma * params_.plane_sigma, alone = 1.0 / variance;
   const double farthest = params_.max_residual.value_or(std::numeric_limits<double>::infinity());
   exec_.for_ranges(world.size(), 4 * kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -125,7 +125,7 @@ void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> 
       rows[i] = {r, surface.normal, 0.0};
       const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
       if (!inside || !(std::abs(r) <= farthest)) continue;
-      const double information = shared ? 1.0 / (variance + surface.sharers * common) : alone;  // eq. RES-5
+      const double information = shared ? 1.0 / (variance + surface.shared_matches * common) : alone;  // eq. RES-5
       rows[i].information = surface.quality * weight(r) * information;
     }
   });

@@ -37,7 +37,7 @@ class PointToPlane final : public Residual {
   int rows_per_match() const override { return 1; }
   MapQuery query() const override;
   bool surfaces_from_map() const override { return params_.planes == Planes::map; }
-  bool counts_sharers() const override { return surfaces_from_map() && params_.plane_sigma > 0.0; }
+  bool counts_shared_matches() const override { return surfaces_from_map() && params_.plane_sigma > 0.0; }
   void set_noise_scale(double scale) override;
   void fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) override;
   void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,

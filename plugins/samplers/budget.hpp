@@ -4,7 +4,7 @@
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
-#include "aslio/toolkit/taps.hpp"
+#include "aslio/toolkit/point_uses.hpp"
 
 namespace aslio::plugins {
 
@@ -12,7 +12,7 @@ class BudgetSampler final : public Sampler {
  public:
   struct Params {
     std::int64_t points = 10000;
-    TapNames taps{"match"};
+    UseNames uses{"match"};
   };
   static void describe(config::Binder& b, Params& p);
   BudgetSampler(const Params& params, const BuildContext& context);
@@ -22,7 +22,7 @@ class BudgetSampler final : public Sampler {
 
  private:
   std::uint64_t points_;
-  TapMask taps_;
+  PointUses uses_;
 };
 
 }  // namespace aslio::plugins

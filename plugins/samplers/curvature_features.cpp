@@ -29,7 +29,7 @@ void CurvatureFeatures::describe(config::Binder& b, Params& p) {
   b.real("parallel", p.parallel, "", {.above = 0},
          "a range that differs from those on both sides by more than this share is of a surface along the beam, or a "
          "lone return: no feature");
-  describe_taps(b, p.taps);
+  describe_uses(b, p.uses);
   b.require(p.clearest_lines <= p.lines, "clearest_lines", "must not exceed lines, of which they are a part");
 }
 
@@ -37,18 +37,18 @@ CurvatureFeatures::CurvatureFeatures(const Params& params, const BuildContext&)
     : params_(params),
       neighbours_(static_cast<std::size_t>(params.neighbours)),
       cos_adjacent_(static_cast<float>(std::cos(params.adjacent_deg * std::numbers::pi / 180.0))),
-      taps_(tap_mask(params.taps)) {}
+      uses_(use_mask(params.uses)) {}
 
 void CurvatureFeatures::list_by_line(const SampleBatch& batch) {
   begin_.assign(kLines + 1, 0);
   for (std::size_t i = 0; i < batch.raw.size(); ++i) {
-    if ((batch.taps[i] & taps_) != 0) ++begin_[batch.raw[i].line + std::size_t{1}];
+    if ((batch.uses[i] & uses_) != 0) ++begin_[batch.raw[i].line + std::size_t{1}];
   }
   for (std::size_t line = 0; line < kLines; ++line) begin_[line + 1] += begin_[line];
   if (ordered_.capacity() < batch.raw.size()) ordered_.reserve(2 * batch.raw.size());
   ordered_.resize(begin_[kLines]);
   for (std::size_t i = 0; i < batch.raw.size(); ++i) {
-    if ((batch.taps[i] & taps_) != 0) ordered_[begin_[batch.raw[i].line]++] = static_cast<std::uint32_t>(i);
+    if ((batch.uses[i] & uses_) != 0) ordered_[begin_[batch.raw[i].line]++] = static_cast<std::uint32_t>(i);
   }
   for (std::size_t line = kLines; line > 0; --line) begin_[line] = begin_[line - 1];
   begin_[0] = 0;
@@ -158,11 +158,11 @@ void CurvatureFeatures::sample(SampleBatch& batch) {
   for (std::size_t line = 0; line < kLines; ++line) {
     classify(batch, std::span(ordered_).subspan(begin_[line], begin_[line + 1] - begin_[line]));
   }
-  const auto cleared = static_cast<TapMask>(~taps_);
-  for (std::size_t i = 0; i < batch.taps.size(); ++i) {
-    if ((batch.taps[i] & taps_) == 0) continue;
+  const auto cleared = static_cast<PointUses>(~uses_);
+  for (std::size_t i = 0; i < batch.uses.size(); ++i) {
+    if ((batch.uses[i] & uses_) == 0) continue;
     if (!batch.features.empty()) batch.features[i] = found_[i];
-    if (found_[i] == feature_class::none) batch.taps[i] = static_cast<TapMask>(batch.taps[i] & cleared);
+    if (found_[i] == feature_class::none) batch.uses[i] = static_cast<PointUses>(batch.uses[i] & cleared);
   }
 }
 

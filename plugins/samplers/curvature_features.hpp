@@ -7,12 +7,12 @@
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
-#include "aslio/toolkit/taps.hpp"
+#include "aslio/toolkit/point_uses.hpp"
 
 namespace aslio::plugins {
 
 /// Scan lines are the points of one TimedPoint::line in the order of time: rings of a spinning sensor, the lines of a
-/// Livox. Marks points feature_class::line or plane, the clearest of every sector besides, and takes the taps from all
+/// Livox. Marks points feature_class::line or plane, the clearest of every sector besides, and takes the uses from all
 /// others (docs/equations.md FEA-1, FEA-2; Zhang and Singh, LOAM, RSS 2014).
 class CurvatureFeatures final : public Sampler {
  public:
@@ -27,7 +27,7 @@ class CurvatureFeatures final : public Sampler {
     double occlusion = 0.3;
     double adjacent_deg = 2.0;
     double parallel = 0.02;
-    TapNames taps{"map", "match"};
+    UseNames uses{"map", "match"};
   };
   static void describe(config::Binder& b, Params& p);
   CurvatureFeatures(const Params& params, const BuildContext& context);
@@ -59,7 +59,7 @@ class CurvatureFeatures final : public Sampler {
   Params params_;
   std::size_t neighbours_;
   float cos_adjacent_;
-  TapMask taps_;
+  PointUses uses_;
   std::vector<std::uint32_t> begin_;    ///< [line], into ordered_
   std::vector<std::uint32_t> ordered_;  ///< points by line, then time
   std::vector<Point> points_;           ///< of one line

@@ -11,11 +11,11 @@ void RangeSampler::describe(config::Binder& b, Params& p) {
                   "nearest range that is kept");
   b.optional_real("max", p.max, "m", {.above = 0.0, .below = 1e5}, "= max_range of the sensor",
                   "farthest range that is kept");
-  describe_taps(b, p.taps);
+  describe_uses(b, p.uses);
   b.require(!p.min || !p.max || *p.min < *p.max, "max", "must be greater than min");
 }
 
-RangeSampler::RangeSampler(const Params& params, const BuildContext& context) : taps_(tap_mask(params.taps)) {
+RangeSampler::RangeSampler(const Params& params, const BuildContext& context) : uses_(use_mask(params.uses)) {
   const double min = params.min.value_or(context.sensor.min_range);
   const double max = params.max.value_or(context.sensor.max_range);
   if (min >= max) {
@@ -28,13 +28,13 @@ RangeSampler::RangeSampler(const Params& params, const BuildContext& context) : 
 }
 
 void RangeSampler::sample(SampleBatch& batch) {
-  const auto cleared = static_cast<TapMask>(~taps_);
+  const auto cleared = static_cast<PointUses>(~uses_);
   for (std::size_t i = 0; i < batch.raw.size(); ++i) {
     const TimedPoint& p = batch.raw[i];
     const double squared =
         static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + static_cast<double>(p.z) * p.z;
     const bool inside = squared >= min_squared_ && squared <= max_squared_;
-    if (!inside) batch.taps[i] = static_cast<TapMask>(batch.taps[i] & cleared);
+    if (!inside) batch.uses[i] = static_cast<PointUses>(batch.uses[i] & cleared);
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
-#include "aslio/toolkit/taps.hpp"
+#include "aslio/toolkit/point_uses.hpp"
 
 namespace aslio::plugins {
 
@@ -14,7 +14,7 @@ class RangeSampler final : public Sampler {
   struct Params {
     std::optional<double> min = std::nullopt;
     std::optional<double> max = std::nullopt;
-    TapNames taps{"overlap", "map", "match"};
+    UseNames uses{"overlap", "map", "match"};
   };
   static void describe(config::Binder& b, Params& p);
 
@@ -26,7 +26,7 @@ class RangeSampler final : public Sampler {
 
  private:
   double min_squared_, max_squared_;  ///< [m^2]
-  TapMask taps_;
+  PointUses uses_;
 };
 
 }  // namespace aslio::plugins

@@ -14,7 +14,7 @@ void StrideSampler::describe(config::Binder& b, Params& p) {
          "thin only after an update whose overlap degree is at least this, and whose view lacked nothing; 0: always");
   b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
          "with known: time after the first insertion into the map for which all points are taken");
-  describe_taps(b, p.taps);
+  describe_uses(b, p.uses);
 }
 
 StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
@@ -25,7 +25,7 @@ StrideSampler::StrideSampler(const Params& params, const BuildContext& context)
       known_(params.known),
       warmup_(to_ns(params.warmup)),
       thins_(params.known == 0.0),
-      taps_(tap_mask(params.taps)) {
+      uses_(use_mask(params.uses)) {
   const auto lines = static_cast<std::uint32_t>(context.sensor.scan_lines);
   const std::uint32_t common = std::gcd(keep_every_, lines);
   if (by_ == By::point && common > 1 && context.log) {
@@ -50,16 +50,16 @@ void StrideSampler::observe(const Feedback& feedback) {
 
 void StrideSampler::sample(SampleBatch& batch) {
   if (!thins_) return;
-  const auto cleared = static_cast<TapMask>(~taps_);
+  const auto cleared = static_cast<PointUses>(~uses_);
   const TimedPoint* decided = nullptr;  // the last point that was
   bool kept = false;
   for (std::size_t i = 0; i < batch.raw.size(); ++i) {
-    if ((batch.taps[i] & taps_) == 0) continue;
+    if ((batch.uses[i] & uses_) == 0) continue;
     const TimedPoint& p = batch.raw[i];
     const bool same_firing = by_ == By::firing && decided != nullptr && decided->t == p.t;
     if (!same_firing) kept = keeps(p);
     decided = &p;
-    if (!kept) batch.taps[i] = static_cast<TapMask>(batch.taps[i] & cleared);
+    if (!kept) batch.uses[i] = static_cast<PointUses>(batch.uses[i] & cleared);
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
-#include "aslio/toolkit/taps.hpp"
+#include "aslio/toolkit/point_uses.hpp"
 
 namespace aslio::plugins {
 
@@ -22,7 +22,7 @@ class StrideSampler final : public Sampler {
     By by = By::point;
     double known = 0.0;   ///< O from which on it thins; 0: always
     double warmup = 1.0;  ///< with `known`: after the first insertion all points are taken for so long [s]
-    TapNames taps{"overlap", "map", "match"};
+    UseNames uses{"overlap", "map", "match"};
   };
   static void describe(config::Binder& b, Params& p);
 
@@ -43,7 +43,7 @@ class StrideSampler final : public Sampler {
   double known_;
   TimeNs warmup_;
   bool thins_;  ///< for the update at hand
-  TapMask taps_;
+  PointUses uses_;
 };
 
 }  // namespace aslio::plugins

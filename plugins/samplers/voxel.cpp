@@ -20,7 +20,7 @@ std::int32_t floor_to_int(float x) {
 /// Distance along one axis from the centre of the cell, in leaves.
 float from_centre(float x, std::int32_t cell) { return x - (static_cast<float>(cell) + 0.5f); }
 
-void clear(TapMask& taps, TapMask bits) { taps = static_cast<TapMask>(taps & ~bits); }
+void clear(PointUses& uses, PointUses bits) { uses = static_cast<PointUses>(uses & ~bits); }
 
 }  // namespace
 
@@ -32,32 +32,32 @@ void VoxelSampler::describe(config::Binder& b, Params& p) {
       "all (not where an estimator takes points as measured)");
   b.choice("of", p.of, {{"all", Of::all}, {"line", Of::line}, {"plane", Of::plane}},
            "which points are thinned: all, or those that a sampler has classed as lines, or planes");
-  describe_taps(b, p.taps);
+  describe_uses(b, p.uses);
 }
 
 VoxelSampler::VoxelSampler(const Params& params, const BuildContext&)
     : leaves_per_metre_(static_cast<float>(1.0 / params.leaf)),
       keep_(params.keep),
       of_(params.of),
-      taps_(tap_mask(params.taps)) {}
+      uses_(use_mask(params.uses)) {}
 
 void VoxelSampler::sample(SampleBatch& batch) {
-  TapMask any = 0;
-  auto all = taps_;
-  for (std::size_t i = 0; i < batch.taps.size(); ++i) {
-    const auto own = static_cast<TapMask>(batch.taps[i] & taps_);
+  PointUses any = 0;
+  auto all = uses_;
+  for (std::size_t i = 0; i < batch.uses.size(); ++i) {
+    const auto own = static_cast<PointUses>(batch.uses[i] & uses_);
     if (own == 0 || !concerns(batch, i)) continue;
-    any = static_cast<TapMask>(any | own);
-    all = static_cast<TapMask>(all & own);
+    any = static_cast<PointUses>(any | own);
+    all = static_cast<PointUses>(all & own);
   }
   if (any == 0) return;
   moves_.clear();
-  // Usually every point left has the same taps and one competition decides for all of them.
+  // Usually every point left has the same uses and one competition decides for all of them.
   if (any == all) {
     compete(batch, any);
   } else {
-    for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
-      if ((any & mask(tap)) != 0) compete(batch, mask(tap));
+    for (const PointUse use : {PointUse::overlap, PointUse::map, PointUse::match}) {
+      if ((any & mask(use)) != 0) compete(batch, mask(use));
     }
   }
   for (const Move& move : moves_) batch.body[move.point] = move.to;
@@ -84,11 +84,11 @@ inline bool VoxelSampler::concerns(const SampleBatch& batch, std::size_t i) cons
   return (own & ~feature_class::clearest) == (of_ == Of::line ? feature_class::line : feature_class::plane);
 }
 
-inline bool VoxelSampler::enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const {
-  if ((batch.taps[i] & taps) == 0 || !concerns(batch, i)) return false;
+inline bool VoxelSampler::enlist(SampleBatch& batch, PointUses uses, std::size_t i, Candidate& candidate) const {
+  if ((batch.uses[i] & uses) == 0 || !concerns(batch, i)) return false;
   const Eigen::Vector3f p = batch.body[i] * leaves_per_metre_;
   if (!(p.cwiseAbs().maxCoeff() < kFarthestCell) || !p.allFinite()) {
-    clear(batch.taps[i], taps);
+    clear(batch.uses[i], uses);
     return false;
   }
   const std::int32_t x = floor_to_int(p.x()), y = floor_to_int(p.y()), z = floor_to_int(p.z());
@@ -104,7 +104,7 @@ inline bool VoxelSampler::enlist(SampleBatch& batch, TapMask taps, std::size_t i
   return true;
 }
 
-inline void VoxelSampler::challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate) {
+inline void VoxelSampler::challenge(SampleBatch& batch, PointUses uses, const Candidate& candidate) {
   const std::size_t last = (std::size_t{1} << (64 - shift_)) - 1;
   std::size_t at = candidate.at;
   while (slots_[at].pass == pass_ && slots_[at].key != candidate.key) at = (at + 1) & last;
@@ -119,27 +119,27 @@ inline void VoxelSampler::challenge(SampleBatch& batch, TapMask taps, const Cand
   }
   if (slot.holder == candidate.point) return;
   if (candidate.squared < slot.squared) {
-    clear(batch.taps[slot.holder], taps);
+    clear(batch.uses[slot.holder], uses);
     slot.holder = candidate.point;
     slot.squared = candidate.squared;
   } else {
-    clear(batch.taps[candidate.point], taps);
+    clear(batch.uses[candidate.point], uses);
   }
 }
 
-void VoxelSampler::compete(SampleBatch& batch, TapMask taps) {
-  start_pass(batch.taps.size());
+void VoxelSampler::compete(SampleBatch& batch, PointUses uses) {
+  start_pass(batch.uses.size());
   // By the dozen, so that slots are on their way while others are computed: most of the time was spent waiting for
   // them.
   std::array<Candidate, 32> candidates;
-  for (std::size_t i = 0; i < batch.taps.size();) {
+  for (std::size_t i = 0; i < batch.uses.size();) {
     std::size_t count = 0;
-    for (; i < batch.taps.size() && count < candidates.size(); ++i) {
-      if (!enlist(batch, taps, i, candidates[count])) continue;
+    for (; i < batch.uses.size() && count < candidates.size(); ++i) {
+      if (!enlist(batch, uses, i, candidates[count])) continue;
       __builtin_prefetch(&slots_[candidates[count].at], 1);
       ++count;
     }
-    for (std::size_t c = 0; c < count; ++c) challenge(batch, taps, candidates[c]);
+    for (std::size_t c = 0; c < count; ++c) challenge(batch, uses, candidates[c]);
   }
   if (keep_ == Keep::mean) find_means(batch);
 }

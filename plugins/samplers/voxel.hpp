@@ -6,7 +6,7 @@
 
 #include "aslio/stages/build_context.hpp"
 #include "aslio/stages/sampler.hpp"
-#include "aslio/toolkit/taps.hpp"
+#include "aslio/toolkit/point_uses.hpp"
 
 namespace aslio::plugins {
 
@@ -26,7 +26,7 @@ class VoxelSampler final : public Sampler {
     double leaf = 0.3;
     Keep keep = Keep::centre;
     Of of = Of::all;
-    TapNames taps{"map", "match"};
+    UseNames uses{"map", "match"};
   };
   static void describe(config::Binder& b, Params& p);
 
@@ -35,10 +35,10 @@ class VoxelSampler final : public Sampler {
   ActsOn acts_on() const override { return ActsOn::body; }
   bool moves_points() const override { return keep_ == Keep::mean; }
   bool takes_features() const override { return of_ != Of::all; }
-  /// Points compete within a cube, for each tap among those that still have it. Cubes are aligned to the body frame
-  /// at the end of the window. With `mean`, one that stays for taps whose points differ lies at the mean of the last
+  /// Points compete within a cube, for each use among those that still have it. Cubes are aligned to the body frame
+  /// at the end of the window. With `mean`, one that stays for uses whose points differ lies at the mean of the last
   /// of overlap, map and match. One of the clearest of its class yields to none but such. Points that are not finite,
-  /// or 2^20 cubes away, lose the taps.
+  /// or 2^20 cubes away, lose the uses.
   void sample(SampleBatch& batch) override;
 
  private:
@@ -71,10 +71,10 @@ class VoxelSampler final : public Sampler {
     Eigen::Vector3f to;
   };
 
-  void compete(SampleBatch& batch, TapMask taps);
-  /// Nothing where the point takes no part, or loses its taps for being nowhere.
-  inline bool enlist(SampleBatch& batch, TapMask taps, std::size_t i, Candidate& candidate) const;
-  inline void challenge(SampleBatch& batch, TapMask taps, const Candidate& candidate);
+  void compete(SampleBatch& batch, PointUses uses);
+  /// Nothing where the point takes no part, or loses its uses for being nowhere.
+  inline bool enlist(SampleBatch& batch, PointUses uses, std::size_t i, Candidate& candidate) const;
+  inline void challenge(SampleBatch& batch, PointUses uses, const Candidate& candidate);
   void find_means(const SampleBatch& batch);
   void start_pass(std::size_t points);
   inline bool concerns(const SampleBatch& batch, std::size_t i) const;
@@ -82,7 +82,7 @@ class VoxelSampler final : public Sampler {
   float leaves_per_metre_;
   Keep keep_;
   Of of_;
-  TapMask taps_;
+  PointUses uses_;
   std::vector<Slot> slots_;  ///< open addressing; a slot of an older pass is free, so that nothing needs clearing
   std::vector<Sum> sums_;    ///< of the slots, with `mean`
   std::vector<Move> moves_;

@@ -19,18 +19,18 @@ enum class Recover : std::uint8_t {
 /// out, for the continuity of motion.
 class SegmentSchedule {
  public:
-  /// seg_step in (0, 1]: loss of overlap per segment; n_least, n_limit: smallest and largest n, 2 <= n_least <=
+  /// seg_step in (0, 1]: loss of overlap per segment; n_min, n_limit: smallest and largest n, 2 <= n_min <=
   /// n_limit; without `echo` an echo lasts a single update, so that n may fall at each.
-  SegmentSchedule(double seg_step, std::int64_t n_least, std::int64_t n_limit, Recover recover, bool echo = true)
+  SegmentSchedule(double seg_step, std::int64_t n_min, std::int64_t n_limit, Recover recover, bool echo = true)
       : seg_step_(seg_step),
-        n_least_(n_least),
-        n_most_(n_limit),
+        n_min_(n_min),
+        n_max_(n_limit),
         n_limit_(n_limit),
         recover_(recover),
         holds_(echo),
-        n_(n_least) {}
+        n_(n_min) {}
 
-  /// n that an overlap in [0, 1] asks for. eq. WIN-1, AS-LIO (7), clamped to [n_least, n_limit]: n = 1 would leave a
+  /// n that an overlap in [0, 1] asks for. eq. WIN-1, AS-LIO (7), clamped to [n_min, n_limit]: n = 1 would leave a
   /// hole of L.
   std::int64_t wanted(double overlap) const;
   /// Time between updates for a window of length L [ns], rounded down. eq. WIN-2, AS-LIO (8).
@@ -41,9 +41,9 @@ class SegmentSchedule {
   void observe(std::optional<double> overlap, std::int64_t least = 2);
   /// Before an update: the overlap predicted for coming points. Only a rise of n counts; says whether there was one.
   bool anticipate(std::optional<double> overlap);
-  /// From now on n does not exceed `n` either, though n_least stays allowed.
+  /// From now on n does not exceed `n` either, though n_min stays allowed.
   void limit(std::int64_t n);
-  /// Back to the start: n_least (warm-up of the map).
+  /// Back to the start: n_min (warm-up of the map).
   void restart();
   /// The next overlap decides, whatever was left of the echo (gap in the data).
   void end_echo() { echo_ = 0; }
@@ -58,8 +58,8 @@ class SegmentSchedule {
   std::int64_t held() const;
 
   double seg_step_;
-  std::int64_t n_least_, n_most_;
-  std::int64_t n_limit_;  ///< n_most_, or what limit() said
+  std::int64_t n_min_, n_max_;
+  std::int64_t n_limit_;  ///< n_max_, or what limit() said
   Recover recover_;
   bool holds_;
   std::int64_t n_;

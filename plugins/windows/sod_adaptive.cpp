@@ -32,14 +32,15 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
          "length L of a window with its history; the longest time between updates");
   b.real("seg_step", p.seg_step, "", {.min = 1e-3, .max = 1.0},
          "loss of overlap per segment: n = ceil((1 - overlap) / seg_step) + 1, an update every 2 L / n");
-  b.integer("n_least", p.n_least, "", {.min = 2, .max = 1000},
+  b.removed("n_least", "use n_min");
+  b.integer("n_min", p.n_min, "", {.min = 2, .max = 1000},
             "smallest number of segments n: 2, as in the paper, leaves no old point in the window while the overlap is "
             "full; with more, (n - 2) / n of the window are always old points");
   b.integer("n_max", p.n_max, "", {.min = 2, .max = 1000}, "largest number of segments n");
   b.real("shift_min", p.shift_min, "s", {.min = 1e-4, .max = 10.0},
          "shortest time between updates; acts as n <= 2 L / shift_min");
   b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
-         "time after the first insertion into the map during which the overlap is ignored (n = n_least)");
+         "time after the first insertion into the map during which the overlap is ignored (n = n_min)");
   b.flag("echo", p.echo,
          "n holds for n updates (2 L of data) before it may fall; without, it may fall at each update (an ablation)");
   b.choice("recover", p.recover, {{"step", Recover::step}, {"ramp", Recover::ramp}},
@@ -50,14 +51,13 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
             "with fewer raw points in the sensor's range the time between updates grows, up to L");
   b.integer("weak_segments", p.weak_segments, "", {.min = 2, .max = 1000},
             "least n after an update with few matches or a degenerate view, where the overlap may be full and yet say "
-            "little: n_least or less leaves the overlap alone to decide, as the paper does");
-  b.integer(
-      "imu_samples", p.imu_samples, "", {.min = 0, .max = 1000},
-      "IMU samples per update, in the mean, at least: the rate rises no further than that, though to n_least, for "
-      "between samples motion is interpolated, not measured; 0: no such limit");
-  b.require(p.n_least <= p.n_max, "n_least", "must not exceed n_max");
-  b.require(p.n_least * to_ns(p.shift_min) <= 2 * to_ns(p.frame_length), "shift_min",
-            "must not exceed 2 frame_length / n_least, the time between updates while the overlap is full");
+            "little: n_min or less leaves the overlap alone to decide, as the paper does");
+  b.integer("imu_samples", p.imu_samples, "", {.min = 0, .max = 1000},
+            "IMU samples per update, in the mean, at least: the rate rises no further than that, though to n_min, for "
+            "between samples motion is interpolated, not measured; 0: no such limit");
+  b.require(p.n_min <= p.n_max, "n_min", "must not exceed n_max");
+  b.require(p.n_min * to_ns(p.shift_min) <= 2 * to_ns(p.frame_length), "shift_min",
+            "must not exceed 2 frame_length / n_min, the time between updates while the overlap is full");
 }
 
 SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& context)
@@ -70,7 +70,7 @@ SodAdaptiveWindow::SodAdaptiveWindow(const Params& params, const BuildContext& c
                .min_points = static_cast<std::size_t>(params.min_points),
                .min_range = context.sensor.min_range,
                .max_range = context.sensor.max_range},
-      schedule_(params.seg_step, params.n_least, std::min(params.n_max, 2 * frame_length_ / to_ns(params.shift_min)),
+      schedule_(params.seg_step, params.n_min, std::min(params.n_max, 2 * frame_length_ / to_ns(params.shift_min)),
                 params.recover, params.echo) {
   request_.shift = schedule_.shift(frame_length_);
 }
@@ -115,7 +115,7 @@ void SodAdaptiveWindow::absorb(const Feedback& feedback) {
   if (warming_up(feedback)) {
     schedule_.restart();
   } else {
-    const bool weak = feedback.status == UpdateStatus::few_matches || feedback.left_open;
+    const bool weak = feedback.status == UpdateStatus::few_matches || feedback.unobservable;
     schedule_.observe(feedback.overlap.value, weak ? weak_segments_ : 2);
   }
   request_.shift = schedule_.shift(frame_length_);

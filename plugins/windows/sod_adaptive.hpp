@@ -15,7 +15,7 @@ class SodAdaptiveWindow final : public WindowStrategy {
   struct Params {
     double frame_length = 0.1;
     double seg_step = 0.1;
-    std::int64_t n_least = 2;
+    std::int64_t n_min = 2;
     std::int64_t n_max = 25;
     double shift_min = 0.008;
     double warmup = 1.0;

@@ -124,7 +124,7 @@ std::string pipeline_text(const std::string& more) {
          "window: {type: fixed, period: 0.1, cut: time}\n"
          "overlap: {type: soft_voxel, voxel: 0.1, layers: 3, store: {type: flat_hash}}\n"
          "history: {type: none}\n"
-         "samplers: [{type: range, min: 0.5, max: 100}, {type: stride, keep_every: 7}, {type: voxel, leaf: 0.4, taps: "
+         "samplers: [{type: range, min: 0.5, max: 100}, {type: stride, keep_every: 7}, {type: voxel, leaf: 0.4, uses: "
          "[map, match]}]\n"
          "map: {type: voxel_hash}\n"
          "insertion: {type: on_new}\n"

@@ -271,7 +271,7 @@ TEST_CASE("a watch ends a run when nothing can change any more, and never one th
     CHECK(to_seconds(cut.back().t) < std::max(to_seconds(whole->first), 100.0 * share.value() + 1) + 1.2);
     // The method falls silent at some time, which is known a second later.
     const TimeNs silent = to_ns(100.0 * *share) + to_ns(0.1) * (static_cast<TimeNs>(draw(40)) - 20);
-    const bool known = cut.back().t - silent > experiment::kMostSilence;
+    const bool known = cut.back().t - silent > experiment::kMaxSilence;
     CHECK(experiment::failed_after(cut, reference, known ? std::optional(silent) : std::nullopt) ==
           experiment::failed_after(poses, reference, silent));
   }

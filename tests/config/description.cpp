@@ -19,7 +19,7 @@ TEST_CASE("A stage describes every key: type, unit, range, default, meaning") {
         "\n  step_max: number, >= 0 s, default 0.5\n      longest step\n"
         "\n  loud: true|false, default false\n      whether it can be heard\n"
         "\n  swing: one of small|wide, default small\n      how far it swings\n"
-        "\n  taps: list of overlap|map|match, default [map]\n      where it acts\n"
+        "\n  uses: list of overlap|map|match, default [map]\n      where it acts\n"
         "\n  spring: stage of springs, default coil\n      what drives it\n      springs: coil, leaf\n"
         "\n  window_size: removed, use frame_length\n");
   CHECK(config::describe_stage(make_catalog(), "springs", "leaf") ==
@@ -69,12 +69,12 @@ TEST_CASE("Two pipelines that differ in two blocks differ in these alone") {
       "window: {type: pendulum, period: 0.1, spring: {stiffness: 5}}\nsamplers: [pendulum, quartz]\nnote: same\n"
       "frame: {centre: [1, 2, 3]}\n");
   const auto b = read(
-      "window: quartz\nsamplers: [{type: pendulum, taps: [map, match], spring: leaf}]\nnote: same\n"
+      "window: quartz\nsamplers: [{type: pendulum, uses: [map, match], spring: leaf}]\nnote: same\n"
       "frame: {centre: [1, 2, 4]}\nboxes: [{label: x}]\n");
   CHECK(config::to_text(config::diff(a.resolved, b.resolved)) ==
         "window: {type: pendulum, period: 0.1, length: null, teeth: 30, step_min: 0.1, step_max: 0.5, loud: false, "
-        "swing: small, taps: [map], spring: {type: coil, stiffness: 5}} -> {type: quartz, frequency: 32768}\n"
-        "samplers.0.taps: [map] -> [map, match]\n"
+        "swing: small, uses: [map], spring: {type: coil, stiffness: 5}} -> {type: quartz, frequency: 32768}\n"
+        "samplers.0.uses: [map] -> [map, match]\n"
         "samplers.0.spring: {type: coil, stiffness: 2} -> {type: leaf}\n"
         "samplers.1: {type: quartz, frequency: 32768} (only in A)\n"
         "frame.centre: [1, 2, 3] -> [1, 2, 4]\n"

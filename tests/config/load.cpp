@@ -151,10 +151,10 @@ TEST_CASE("Ranges state value, unit and what is admissible") {
 TEST_CASE("Names are checked against their list") {
   CHECK(pendulum_error("swing: wde") ==
         "a.yaml:4:10: 'window.swing' must be one of small, wide, is 'wde' (did you mean 'wide'?)");
-  CHECK(pendulum_error("taps: [map, mtch]") ==
-        "a.yaml:4:15: 'window.taps.1' must be one of overlap, map, match, is 'mtch' (did you mean 'match'?)");
-  CHECK(pendulum_error("taps: map") ==
-        "a.yaml:4:9: 'window.taps' must be a list of names from overlap, map, match, is 'map'");
+  CHECK(pendulum_error("uses: [map, mtch]") ==
+        "a.yaml:4:15: 'window.uses.1' must be one of overlap, map, match, is 'mtch' (did you mean 'match'?)");
+  CHECK(pendulum_error("uses: map") ==
+        "a.yaml:4:9: 'window.uses' must be a list of names from overlap, map, match, is 'map'");
   CHECK(pendulum_error("window_size: 3") == "a.yaml:4:3: 'window.window_size' was removed: use frame_length");
 }
 
@@ -207,7 +207,7 @@ TEST_CASE("The resolved text states every key and reads back to itself") {
   const auto once = read(text);
   CHECK(once.resolved ==
         "schema: aslio/pipeline/1\nwindow:\n  type: pendulum\n  period: 0.30000000000000004\n  length: null\n"
-        "  teeth: 7\n  step_min: 0.1\n  step_max: 0.5\n  loud: false\n  swing: small\n  taps: [map]\n  spring:\n"
+        "  teeth: 7\n  step_min: 0.1\n  step_max: 0.5\n  loud: false\n  swing: small\n  uses: [map]\n  spring:\n"
         "    type: coil\n    stiffness: 1e-09\nsamplers:\n  - type: quartz\n    frequency: 1e+06\nframe:\n"
         "  centre: [0, 0, 0]\n  label: \"\"\nboxes:\n  - centre: [0, 0, 0]\n    label: \"x: #\"\nmax_speed: 30\n"
         "note: \"010\"\n");
@@ -246,7 +246,7 @@ TEST_CASE("A file of an old name stands for the one that it names") {
 
 TEST_CASE("Mutated files are read or refused, never worse") {
   const std::string valid =
-      "schema: aslio/pipeline/1\nwindow:\n  type: pendulum\n  period: 0.1\n  taps: [map, match]\n  spring: {type: "
+      "schema: aslio/pipeline/1\nwindow:\n  type: pendulum\n  period: 0.1\n  uses: [map, match]\n  spring: {type: "
       "coil}\n"
       "samplers:\n  - {type: quartz, frequency: 1e3}\n  - pendulum\nboxes: [{centre: [1, 2, 3]}]\nnote: \"x\\ny\"\n";
   const std::string alphabet = std::string("{}[]:,-#&*!|>'\"%@`\n \t?<.0189eaz\\/\x80\xff") + '\0';

@@ -59,7 +59,7 @@ class Pendulum final : public Clock {
     double step_max = 0.5;
     bool loud = false;
     Swing swing = Swing::small;
-    std::vector<std::string> taps{"map"};
+    std::vector<std::string> uses{"map"};
     config::Nested<Spring> spring{"coil"};
   };
   static void describe(config::Binder& b, Params& p) {
@@ -70,7 +70,7 @@ class Pendulum final : public Clock {
     b.real("step_max", p.step_max, "s", {.min = 0.0}, "longest step");
     b.flag("loud", p.loud, "whether it can be heard");
     b.choice("swing", p.swing, {{"small", Swing::small}, {"wide", Swing::wide}}, "how far it swings");
-    b.texts("taps", p.taps, {"overlap", "map", "match"}, "where it acts");
+    b.texts("uses", p.uses, {"overlap", "map", "match"}, "where it acts");
     b.stage("spring", p.spring, "what drives it");
     b.removed("window_size", "use frame_length");
     b.require(p.step_min <= p.step_max, "step_min", "must not exceed step_max");

@@ -12,7 +12,7 @@ TEST_CASE("one of each run: the runs are equal to within one item, cover everyth
       if (taken > n) continue;
       CAPTURE(n, taken);
       for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{3}, ~std::uint64_t{0}}) {
-        OneOfEachRun choice(taken, n, seed);
+        StratifiedPick choice(taken, n, seed);
         bool right = true;
         for (std::size_t k = 0; k < taken; ++k) {
           const std::size_t begin = k * n / taken, end = (k + 1) * n / taken;
@@ -30,7 +30,7 @@ TEST_CASE("one of each run: scan lines that interleave are all seen, whatever th
   for (const std::size_t stride : {2, 3, 6, 12}) {
     CAPTURE(stride);
     constexpr std::size_t taken = 6000;
-    OneOfEachRun choice(taken, stride * taken, 7);
+    StratifiedPick choice(taken, stride * taken, 7);
     std::array<std::size_t, lines> seen{};
     for (std::size_t k = 0; k < taken; ++k) ++seen[choice.next() % lines];
     for (const std::size_t count : seen) {

@@ -16,7 +16,7 @@ namespace {
 const std::vector<std::string> kKeepAll = {
     "map={type: voxel_hash, voxel: 0.25, min_spacing: 0, max_points: 4096, radius: 1000}",
     "estimator.residual={type: point_to_plane}",
-    "samplers=[{type: range}, {type: stride, keep_every: 5}, {type: voxel, leaf: 0.3, taps: [map, match]}]"};
+    "samplers=[{type: range}, {type: stride, keep_every: 5}, {type: voxel, leaf: 0.3, uses: [map, match]}]"};
 
 /// Counts what updates hand to the map, once and once per window it lies in.
 class Offered final : public pipeline::UpdateObserver {
@@ -24,8 +24,8 @@ class Offered final : public pipeline::UpdateObserver {
   void on_update(const pipeline::UpdateRecord& record) override {
     inserted += record.inserted.inserted;
     if (!record.update->insert) return;
-    points += record.update->points(Tap::map).size();
-    for (const WorldPoint& p : record.update->points(Tap::map)) times_.push_back(p.t);
+    points += record.update->points(PointUse::map).size();
+    for (const WorldPoint& p : record.update->points(PointUse::map)) times_.push_back(p.t);
     const auto inside = [&](TimeNs t) { return t > record.plan.history_begin; };
     in_windows += static_cast<std::size_t>(std::count_if(times_.begin(), times_.end(), inside));
   }

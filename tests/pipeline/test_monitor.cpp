@@ -199,7 +199,7 @@ TEST_CASE("monitor: a delay, a bias of the gyro and one of the accelerometer are
 
 TEST_CASE("monitor: the direction that is not bound is named, once it lasts for a second") {
   Play play;
-  play.update.left_open = true;
+  play.update.unobservable = true;
   play.update.weakest << 0, 0.1, 0, 0.99, 0.1, 0;
   play.calm(9);
   CHECK(unbound_text(play.monitor.report()).empty());

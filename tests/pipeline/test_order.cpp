@@ -29,7 +29,7 @@ class Journal final : public Observer {
     oldest_first = oldest_first && past.max_stamp < steps.size();
   }
   void on_insert(const Window& window, const Update& update) override {
-    for (const WorldPoint& p : update.points(Tap::map)) {
+    for (const WorldPoint& p : update.points(PointUse::map)) {
       const TimedPoint& raw = window.fresh[p.index];
       in_window = in_window && p.t > window.plan.fresh_begin && p.t <= window.plan.end && raw.t == p.t;
       inserted_twice += inserted.insert({p.t, p.line}).second ? 0U : 1U;

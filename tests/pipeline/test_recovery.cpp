@@ -326,7 +326,7 @@ TEST_CASE("where a run begins anew is in the data, not in how they arrive") {
   for (const auto& [recording, sensor] :
        {std::pair(gap, world.sensor()), std::pair(silent, world.sensor()), std::pair(dark, yard.sensor)}) {
     for (const std::vector<std::string>& sets :
-         {std::vector<std::string>{}, {"window.shift_min=0.02", "window.n_least=10"}}) {
+         {std::vector<std::string>{}, {"window.shift_min=0.02", "window.n_min=10"}}) {
       Run usual(shipped("as_lio_plus", sets), sensor);
       usual.play(recording);
       REQUIRE(usual.odometry.losses().size() == 1);

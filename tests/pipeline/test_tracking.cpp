@@ -229,8 +229,8 @@ TEST_CASE("tracking: without IMU readings a run is degraded, and lost where the 
     Update update;
     update.accepted = true;
     update.status = UpdateStatus::ok;
-    const auto observe = [&](bool unread, bool left_open) {
-      update.left_open = left_open;
+    const auto observe = [&](bool unread, bool unobservable) {
+      update.unobservable = unobservable;
       tracking.observe(update, t, t + kTenth, false, unread);
       t += kTenth;
     };

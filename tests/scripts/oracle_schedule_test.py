@@ -10,7 +10,7 @@ MS = 10**6
 
 
 def options(**more):
-    return argparse.Namespace(**{**dict(frame_length=0.1, seg_step=0.1, n_least=2, n_max=25, shift_min=0.008, warmup=0.0, ahead=0.0,
+    return argparse.Namespace(**{**dict(frame_length=0.1, seg_step=0.1, n_min=2, n_max=25, shift_min=0.008, warmup=0.0, ahead=0.0,
                                         memory=0.01, no_echo=False), **more})
 
 
@@ -48,8 +48,8 @@ class OracleSchedule(StudyCase):
         self.assertEqual(self.intervals([0.0] * 60, warmup=0.5)[:6], [100.0] * 5 + [18.2])
 
     def test_old_points_may_stay_where_all_is_known(self):
-        self.assertEqual(self.intervals([1.0] * 50, n_least=4), [50.0] * 10)
-        self.assertEqual(min(self.intervals([0.0] * 50, n_least=4)), 18.2)
+        self.assertEqual(self.intervals([1.0] * 50, n_min=4), [50.0] * 10)
+        self.assertEqual(min(self.intervals([0.0] * 50, n_min=4)), 18.2)
 
     def test_what_is_young_counts_as_new(self):
         self.assertAlmostEqual(oracle.Overlap(self.overlap([0.9] * 10), 0.01).mean(0, 2 * 10**18), 0.9)

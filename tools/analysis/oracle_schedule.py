@@ -15,7 +15,7 @@ t_ns, window_begin_ns. Needs numpy.
 
 overlap.csv compares with all that was seen up to 10 ms before, the overlap degree with a map that is older (SOD-3). So what was
 new within --memory counts as new: newness of 10 ms, summed over that time. At 0.02 s as many windows fall below 0.9 as measured
-by as_lio_plus at 10 Hz (n_least 2, seg_step 0.1) on indoor_1 (scale 0.3, seeds 100 and 101: 34 and 35 against 34 and 33), with a correlation of 0.97.
+by as_lio_plus at 10 Hz (n_min 2, seg_step 0.1) on indoor_1 (scale 0.3, seeds 100 and 101: 34 and 35 against 34 and 33), with a correlation of 0.97.
 For the finer step of today's as_lio_plus it was not calibrated anew: compare that one by --like.
 """
 import argparse
@@ -118,7 +118,7 @@ def schedule(overlap, options):
     """(t_ns, window_begin_ns) of every update."""
     length = round(options.frame_length * SECOND)
     most = min(options.n_max, 2 * length // round(options.shift_min * SECOND))
-    segments = Segments(options.seg_step, options.n_least, most, not options.no_echo)
+    segments = Segments(options.seg_step, options.n_min, most, not options.no_echo)
     t, last, updates = int(overlap.begin), int(overlap.end[-1]), []
     warm = t + round(options.warmup * SECOND)
     while t < last:

@@ -17,7 +17,7 @@ namespace aslio::cli {
 
 namespace {
 
-constexpr double kMostSeconds = 1e9;  // some 30 years; in nanoseconds it still fits
+constexpr double kMaxSeconds = 1e9;  // some 30 years; in nanoseconds it still fits
 
 template <class T>
 std::errc parse(const std::string& text, T& value) {
@@ -35,8 +35,8 @@ std::string check_seconds(const std::string& text, bool positive) {
     return fmt::format("'{}' is {}; give seconds {} 0", text, value < 0 ? "negative" : "no duration",
                        positive ? "above" : "from");
   }
-  if (error != std::errc() || value > kMostSeconds) {
-    return fmt::format("'{}' is out of range; give at most {:.0e} seconds", text, kMostSeconds);
+  if (error != std::errc() || value > kMaxSeconds) {
+    return fmt::format("'{}' is out of range; give at most {:.0e} seconds", text, kMaxSeconds);
   }
   return {};
 }

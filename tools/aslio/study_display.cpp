@@ -14,7 +14,7 @@ namespace aslio::cli {
 namespace {
 
 constexpr std::size_t kBar = 24;
-constexpr std::size_t kMostShown = 12;  // of what is at work
+constexpr std::size_t kMaxShown = 12;  // of what is at work
 
 std::string bar_of(std::size_t done, std::size_t total) {
   const std::size_t full = total > 0 ? kBar * std::min(done, total) / total : kBar;
@@ -50,10 +50,10 @@ std::string display_text(const experiment::StudyProgress& p, std::size_t width) 
   if (p.left_s) first += fmt::format("   {} left", duration(*p.left_s));
   if (p.failed > 0) first += fmt::format("   {} failed", p.failed);
   add(first);
-  for (std::size_t i = 0; i < std::min(p.active.size(), kMostShown); ++i) {
+  for (std::size_t i = 0; i < std::min(p.active.size(), kMaxShown); ++i) {
     add(fmt::format("  {:>7}  {}", duration(p.active[i].since_s), p.active[i].name));
   }
-  if (p.active.size() > kMostShown) add(fmt::format("           and {} more", p.active.size() - kMostShown));
+  if (p.active.size() > kMaxShown) add(fmt::format("           and {} more", p.active.size() - kMaxShown));
   return text;
 }
 

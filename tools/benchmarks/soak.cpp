@@ -29,8 +29,8 @@ namespace {
 using namespace aslio;
 namespace fs = std::filesystem;
 
-constexpr double kMostMegabytesPerHour = 1.0;
-constexpr double kMostSlowdown = 1.25;
+constexpr double kMaxMegabytesPerHour = 1.0;
+constexpr double kMaxSlowdown = 1.25;
 constexpr std::size_t kKeepOne = 4;  ///< of so many firings: 5000 points of a sweep
 
 /// What is seen at the end of each round. `cpu_s` is that of the run alone, `yardstick_s` that of the yardstick.
@@ -224,10 +224,10 @@ int report(const experiment::Summary& summary, const std::vector<Round>& rounds,
                (rounds[i].cpu_s - before) / over, rounds[i].yardstick_s);
   }
   fmt::print("status {}{}{}\n", pipeline::name(summary.status), summary.reason.empty() ? "" : ": ", summary.reason);
-  fmt::print("memory {:+.3f} MB per hour of data over the second half (at most {})\n", growth, kMostMegabytesPerHour);
+  fmt::print("memory {:+.3f} MB per hour of data over the second half (at most {})\n", growth, kMaxMegabytesPerHour);
   fmt::print("time   {:.3f} yardsticks per round in the first tenth, {:.3f} in the last, x {:.3f} (at most {})\n",
-             first, last, last / first, kMostSlowdown);
-  const bool good = growth < kMostMegabytesPerHour && last < kMostSlowdown * first &&
+             first, last, last / first, kMaxSlowdown);
+  const bool good = growth < kMaxMegabytesPerHour && last < kMaxSlowdown * first &&
                     (summary.status == pipeline::RunStatus::ok || summary.status == pipeline::RunStatus::degraded);
   fmt::print("verdict {}\n", good ? "held" : "NOT held");
   return good ? 0 : 1;

@@ -21,7 +21,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOL = "clang-tidy-14"
 BATCH = 8
-ROOMS = ("framework/", "plugins/", "tools/")
+MODULES = ("framework/", "plugins/", "tools/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
@@ -31,7 +31,7 @@ def sources(build, parts):
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["directory"], entry["file"]).resolve()
         name = path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) and not path.is_relative_to(build) else ""
-        if not name.startswith(ROOMS) or parts and not any(part in name for part in parts):
+        if not name.startswith(MODULES) or parts and not any(part in name for part in parts):
             continue
         # Without its output, which names what else is compiled, and without precompiled headers.
         command = re.sub(r" -Winvalid-pch| -include \S+cmake_pch\S*| -(o|MT|MF) \S+| -MD", "", entry["command"])

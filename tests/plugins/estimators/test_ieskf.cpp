@@ -179,7 +179,7 @@ TEST_CASE("a state that the IMU drives beyond all numbers is refused and rolled 
   CHECK(same_state(update.prior, expected));
   REQUIRE(update.states.size() == 1);
   CHECK(update.trajectory->pose(kRoomEpoch + kTenth / 2).p.allFinite());
-  for (const WorldPoint& p : update.points(Tap::map)) REQUIRE(p.p_W.allFinite());
+  for (const WorldPoint& p : update.points(PointUse::map)) REQUIRE(p.p_W.allFinite());
   // The next window is as good as if nothing had been.
   if (empty_map) filter.build_map(1);
   CHECK(filter.update(RoomWindow(kRoomEpoch + kTenth, kTenth, Pose{}, 3)).accepted);
@@ -270,11 +270,11 @@ namespace {
 double off_the_walls(const Update& update) {
   const Vec3 half(4, 3, 1.5);
   double sum = 0;
-  for (const WorldPoint& p : update.points(Tap::map)) {
+  for (const WorldPoint& p : update.points(PointUse::map)) {
     const double off = (half - p.p_W.cwiseAbs()).cwiseAbs().minCoeff();
     sum += off * off;
   }
-  return std::sqrt(sum / static_cast<double>(update.points(Tap::map).size()));
+  return std::sqrt(sum / static_cast<double>(update.points(PointUse::map).size()));
 }
 
 }  // namespace
@@ -297,7 +297,7 @@ TEST_CASE("deskew_correction: within one window of a turn, the gyro's error show
     // Points lie where the trajectory says.
     const TimedPoint& raw = room.fresh.front();
     const Vec3 expected = update.trajectory->pose(raw.t) * Vec3(raw.x, raw.y, raw.z);
-    CHECK((update.points(Tap::map).front().p_W - expected).norm() < 1e-5);
+    CHECK((update.points(PointUse::map).front().p_W - expected).norm() < 1e-5);
     CHECK((update.trajectory->pose(kRoomEpoch + kTenth).p - update.state.p).norm() < 1e-12);
   }
   CAPTURE(off, scale);

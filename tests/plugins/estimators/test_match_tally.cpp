@@ -8,7 +8,6 @@
 #include "aslio/toolkit/match_tally.hpp"
 
 using namespace aslio;
-using namespace aslio::plugins;
 
 TEST_CASE("matches are counted by the surface they lie on, for few surfaces and for more than the first table takes") {
   std::mt19937_64 engine(3);
@@ -28,7 +27,7 @@ TEST_CASE("matches are counted by the surface they lie on, for few surfaces and 
     tally.count(matches, times);
     for (std::size_t i = 0; i < matches.size(); ++i) {
       const bool owned = matches[i].valid && matches[i].owner != nullptr;
-      REQUIRE(matches[i].sharers == times * (owned ? expected[matches[i].owner] : 1));
+      REQUIRE(matches[i].shared_matches == times * (owned ? expected[matches[i].owner] : 1));
     }
   }
 }
@@ -38,7 +37,7 @@ TEST_CASE("no matches at all may be counted") {
   tally.count(std::span<Surface>());
   std::vector<Surface> one(1);
   tally.count(one);
-  CHECK(one[0].sharers == 1.0);
+  CHECK(one[0].shared_matches == 1.0);
 }
 
 TEST_CASE("sets that are registered together are counted as one") {
@@ -51,5 +50,6 @@ TEST_CASE("sets that are registered together are counted as one") {
   tally.count(all, 0.5);
   const std::span<Surface> sets[] = {first, none, last};
   tally.count(sets, 0.5);
-  for (std::size_t i = 0; i < all.size(); ++i) CHECK((i < 11 ? first[i] : last[i - 11]).sharers == all[i].sharers);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    CHECK((i < 11 ? first[i] : last[i - 11]).shared_matches == all[i].shared_matches);
 }

@@ -5,7 +5,6 @@
 #include "aslio/toolkit/point_matches.hpp"
 
 using namespace aslio;
-using namespace aslio::plugins;
 
 namespace {
 

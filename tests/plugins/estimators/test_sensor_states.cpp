@@ -58,7 +58,7 @@ Learnt after(const std::vector<std::string>& keys, const Pose& mounted, double a
     RoomWindow room(begin, kTenth, Pose{}, static_cast<std::uint32_t>(k + 1), 2000);
     out.update = filter.update(turning(room, begin, mounted, acc_scale));
     REQUIRE((k == 0 || out.update.accepted));
-    filter.map->insert(out.update.points(Tap::map), static_cast<std::uint32_t>(k + 1));
+    filter.map->insert(out.update.points(PointUse::map), static_cast<std::uint32_t>(k + 1));
     const Mat3 truth = attitude(to_seconds(room.window.plan.end - kRoomEpoch));
     out.turned = log_so3(truth.transpose() * out.update.state.R).norm();
   }

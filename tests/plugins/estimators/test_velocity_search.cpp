@@ -6,7 +6,6 @@
 #include "aslio/toolkit/velocity_search.hpp"
 
 using namespace aslio;
-using namespace aslio::plugins;
 
 namespace {
 

@@ -29,7 +29,7 @@ std::vector<WorldPoint> play(Insertion& insertion, std::uint64_t seed, Recording
     check(windows, map, points);
     if (!windows.update.insert) continue;
     offered += insertion.apply(windows.window, windows.update, map).offered;
-    for (const WorldPoint& p : windows.update.points(Tap::map)) {
+    for (const WorldPoint& p : windows.update.points(PointUse::map)) {
       points.push_back(p);
       measured.emplace(p.t, windows.window.sequence);
     }

@@ -26,7 +26,7 @@ void play(Insertion& insertion, RandomWindows& windows, Map& map, int updates) {
 
 }  // namespace
 
-TEST_CASE("every insertion: the same updates make the same map, of points of the map tap alone") {
+TEST_CASE("every insertion: the same updates make the same map, of points of the map use alone") {
   EveryInsertion every;
   REQUIRE(every.insertions().size() >= (test::one_under_test(Insertion::family) ? 1 : 5));
   for (const std::string& type : every.insertions()) {
@@ -53,7 +53,7 @@ TEST_CASE("every insertion: the same updates make the same map, of points of the
     play(*insertion, windows, map, 100);
     insertion->finish(map);
     CHECK(map.given.size() > 500);
-    CHECK(map.stamps.count(-1) == 0);  // those of the other taps
+    CHECK(map.stamps.count(-1) == 0);  // those of the other uses
   }
 }
 

@@ -9,7 +9,7 @@ namespace aslio {
 
 using test::RecordingMap;
 
-TEST_CASE("on_new inserts each fresh point of the map tap once, under the number of its update") {
+TEST_CASE("on_new inserts each fresh point of the map use once, under the number of its update") {
   test::BuildEnvironment environment;
   plugins::InsertOnNew insertion({}, environment.context());
   RecordingMap map;

@@ -33,7 +33,7 @@ TEST_CASE("whole_window: every update inserts what is inside its window, the old
       }
       std::erase_if(inside, [&](const WorldPoint& p) { return p.t <= window.plan.history_begin; });
       const InsertCount count = insertion.apply(window, update, map);
-      const auto fresh = update.points(Tap::map);
+      const auto fresh = update.points(PointUse::map);
       REQUIRE(count.offered == inside.size() + fresh.size());
       REQUIRE(count.inserted == count.offered / 2);  // what the map says
       double worst = 0;
@@ -77,7 +77,7 @@ TEST_CASE("whole_window: old points lie where the estimator has moved them") {
     windows.update.revision = &moved;
     RecordingMap map;
     insertion.apply(windows.window, windows.update, map);
-    const auto fresh = windows.update.points(Tap::map);
+    const auto fresh = windows.update.points(PointUse::map);
     REQUIRE(map.given.size() == inside.size() + fresh.size());
     for (std::size_t i = 0; i < inside.size(); ++i) REQUIRE(map.given[i].p_W == moved.place(inside[i]));
     for (std::size_t i = 0; i < fresh.size(); ++i) REQUIRE(map.given[inside.size() + i].p_W == fresh[i].p_W);

@@ -33,14 +33,14 @@ struct LifeStep {
 class LifeSteps {
  public:
   /// Radius [m] beyond which a life may be over before the walk has left it.
-  static constexpr double kMostLeapt = 2000.0;
+  static constexpr double kMaxLeapt = 2000.0;
 
   LifeSteps(const Life& life, double radius)
       : draw_(life.seed),
         home_(life.centre),
         centre_(life.centre),
-        turn_(2.0 * std::min(radius, kMostLeapt) + 12.0),
-        leap_(radius > 25.0 ? std::floor(std::min(radius, kMostLeapt) / 2.0) : 0.0),
+        turn_(2.0 * std::min(radius, kMaxLeapt) + 12.0),
+        leap_(radius > 25.0 ? std::floor(std::min(radius, kMaxLeapt) / 2.0) : 0.0),
         clear_one_in_(static_cast<int>(life.total / 2000)) {}
 
   LifeStep next() {
@@ -145,7 +145,7 @@ inline std::size_t check_random_life(Map& map, const Life& life, const Sight& si
     cut_off += oracle.check_neighbours(map, queries, ask, sight);
   }
   REQUIRE(checked * 20000 > life.total);
-  REQUIRE((trimmed * 20 > life.total || map.radius() > LifeSteps::kMostLeapt));
+  REQUIRE((trimmed * 20 > life.total || map.radius() > LifeSteps::kMaxLeapt));
   REQUIRE(cleared > 0);
   return cut_off;
 }

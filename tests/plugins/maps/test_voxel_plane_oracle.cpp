@@ -14,7 +14,7 @@ using namespace aslio::test;
 namespace {
 
 constexpr double kEdge = 1.0, kThickness = 0.03;
-constexpr std::size_t kLeastPoints = 10;
+constexpr std::size_t kMinPoints = 10;
 const Vec3 kOffset(0.137, 0.223, 0.311);  // of the grid, in edges
 
 using CellNumber = std::array<long, 3>;
@@ -36,7 +36,7 @@ struct Fit {
 };
 
 Fit fit(const Points& points) {
-  if (points.size() < kLeastPoints) return {};
+  if (points.size() < kMinPoints) return {};
   Vec3 mean = Vec3::Zero();
   for (const Vec3& p : points) mean += p;
   mean /= static_cast<double>(points.size());
@@ -110,7 +110,7 @@ TEST_CASE("voxel_plane: every voxel has the plane that is fitted to all its poin
     for (const auto& [cell, points] : whole) before[cell] = fit(points);
     for (const Vec3& p : second) {
       const CellNumber cell = cell_number(p, kEdge);
-      const bool was_fitted = whole[cell].size() >= kLeastPoints || before[cell].plane;
+      const bool was_fitted = whole[cell].size() >= kMinPoints || before[cell].plane;
       if (was_fitted && !before[cell].plane) parts[cell_number(p, kEdge / 2)].push_back(p);
     }
     const auto enter = [&](const Points& points, std::uint32_t stamp) {

@@ -52,7 +52,7 @@ class Reference {
     }
     for (const WorldPoint& point : points) frame.push_back(cell_at(point));
     const std::size_t taken = is_.max_points == 0 ? frame.size() : std::min(frame.size(), is_.max_points);
-    OneOfEachRun choice(taken, frame.size(), seed_);
+    StratifiedPick choice(taken, frame.size(), seed_);
     const TimeNs horizon = t - is_.delay - std::min((t - extended_) / 2, is_.delay / 2);
     OverlapScore score;
     double sum = 0;

@@ -219,7 +219,7 @@ TEST_CASE("matches of one plane of the map share its error") {  // eq. RES-5
   test::BuildEnvironment environment;
   const double sigma = 0.02, plane = 0.006;
   std::vector<Surface> surfaces(9, {Vec3::UnitZ(), Vec3::Zero(), 0.5, true});
-  for (std::size_t i = 0; i < 6; ++i) surfaces[i].sharers = i < 4 ? 3.0 : 2.5;
+  for (std::size_t i = 0; i < 6; ++i) surfaces[i].shared_matches = i < 4 ? 3.0 : 2.5;
   surfaces[3].valid = false;
   const std::vector<Vec3> world(surfaces.size(), Vec3(3, 4, 0));
   const std::vector<float> range(surfaces.size(), 5.0F);
@@ -244,7 +244,7 @@ TEST_CASE("matches of one plane of the map share its error") {  // eq. RES-5
   }
   // However many they are, all matches of a plane together know no more than its own error lets them.
   surfaces.assign(100000, surfaces[0]);
-  for (Surface& surface : surfaces) surface.sharers = 100000;
+  for (Surface& surface : surfaces) surface.shared_matches = 100000;
   PointToPlane residual({.planes = PointToPlane::Planes::map, .plane_sigma = plane}, environment.context());
   std::vector<ResidualRow> rows(surfaces.size());
   residual.evaluate(std::vector<Vec3>(surfaces.size(), Vec3(3, 4, 0)), std::vector<float>(surfaces.size(), 5.0F),

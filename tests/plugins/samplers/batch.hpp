@@ -11,15 +11,15 @@ namespace aslio::test {
 struct Batch {
   std::vector<TimedPoint> raw;
   std::vector<Eigen::Vector3f> body;
-  std::vector<TapMask> taps;
+  std::vector<PointUses> uses;
 
-  SampleBatch view() { return {.raw = raw, .body = body, .taps = taps}; }
-  std::size_t count(Tap tap) const {
+  SampleBatch view() { return {.raw = raw, .body = body, .uses = uses}; }
+  std::size_t count(PointUse use) const {
     std::size_t n = 0;
-    for (const TapMask bits : taps) n += (bits & mask(tap)) != 0;
+    for (const PointUses bits : uses) n += (bits & mask(use)) != 0;
     return n;
   }
-  void add(const Eigen::Vector3f& p, TapMask bits = kAllTaps) {
+  void add(const Eigen::Vector3f& p, PointUses bits = kAllUses) {
     TimedPoint point;
     point.x = p.x();
     point.y = p.y();
@@ -29,7 +29,7 @@ struct Batch {
     point.t = static_cast<TimeNs>(raw.size() / 6) * 25'000;
     raw.push_back(point);
     body.push_back(p);
-    taps.push_back(bits);
+    uses.push_back(bits);
   }
 };
 
@@ -40,7 +40,7 @@ inline Batch random_batch(std::size_t points, std::uint64_t seed, float half, bo
   Batch batch;
   for (std::size_t i = 0; i < points; ++i) {
     const float x = coordinate(), y = coordinate(), z = coordinate();
-    batch.add({x, y, z}, mixed_taps ? static_cast<TapMask>(random() % 8) : kAllTaps);
+    batch.add({x, y, z}, mixed_taps ? static_cast<PointUses>(random() % 8) : kAllUses);
   }
   return batch;
 }

@@ -41,13 +41,13 @@ TEST_CASE("every registered sampler thins, and only ever clears bits") {
     std::size_t cleared = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       test::Batch batch = test::random_batch(20000, seed, seed % 2 == 0 ? 1.0f : 120.0f, true);
-      const auto before = batch.taps;
+      const auto before = batch.uses;
       SampleBatch view = batch.view();
       if (sampler->acts_on() == Sampler::ActsOn::raw) view.body = {};
       sampler->sample(view);
       for (std::size_t i = 0; i < before.size(); ++i) {
-        REQUIRE((batch.taps[i] & ~before[i]) == 0);
-        cleared += batch.taps[i] != before[i];
+        REQUIRE((batch.uses[i] & ~before[i]) == 0);
+        cleared += batch.uses[i] != before[i];
       }
     }
     CHECK(cleared > 0);
@@ -98,7 +98,7 @@ TEST_CASE("every registered sampler is deterministic and takes batches of no, on
       SampleBatch view_a = a.view(), view_b = b.view();
       one->sample(view_a);
       other->sample(view_b);
-      CHECK(a.taps == b.taps);
+      CHECK(a.uses == b.uses);
     }
   }
 }
@@ -118,11 +118,11 @@ TEST_CASE("every registered raw sampler decides the same wherever windows are cu
       const std::size_t size = std::min<std::size_t>(1 + random() % 500, pieces.raw.size() - begin);
       SampleBatch piece{.raw = std::span(pieces.raw).subspan(begin, size),
                         .body = {},
-                        .taps = std::span(pieces.taps).subspan(begin, size)};
+                        .uses = std::span(pieces.uses).subspan(begin, size)};
       sampler->sample(piece);
       begin += size;
     }
-    CHECK(pieces.taps == whole.taps);
+    CHECK(pieces.uses == whole.uses);
   }
 }
 
@@ -136,13 +136,13 @@ TEST_CASE("the chain runs the samplers of each phase in order") {
   test::Batch batch = test::random_batch(3000, 8, 2.0f);
   SampleBatch view = batch.view();
   chain.sample(Sampler::ActsOn::raw, view);
-  const std::size_t after_raw = batch.count(Tap::map);
-  CHECK(batch.count(Tap::overlap) == after_raw);
+  const std::size_t after_raw = batch.count(PointUse::map);
+  CHECK(batch.count(PointUse::overlap) == after_raw);
   CHECK(after_raw < 3000 / 5 + 1);
   chain.sample(Sampler::ActsOn::body, view);
-  CHECK(batch.count(Tap::overlap) == after_raw);  // by default the voxel sampler leaves the overlap its points
-  CHECK(batch.count(Tap::map) < after_raw);
-  CHECK(batch.count(Tap::map) == batch.count(Tap::match));
+  CHECK(batch.count(PointUse::overlap) == after_raw);  // by default the voxel sampler leaves the overlap its points
+  CHECK(batch.count(PointUse::map) < after_raw);
+  CHECK(batch.count(PointUse::map) == batch.count(PointUse::match));
 }
 
 }  // namespace aslio

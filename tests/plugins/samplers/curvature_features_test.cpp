@@ -90,9 +90,9 @@ TEST_CASE("the corner of two walls is a line, and the walls are planes") {  // e
   for (const std::size_t i : planes) CHECK(bend(scan, i, 5) < 0.1);
   // The first and the last five have no neighbours on one side.
   CHECK(scan.features.front() == feature_class::none);
-  CHECK((scan.taps.front() & mask(Tap::map)) == 0);
-  CHECK((scan.taps.front() & mask(Tap::overlap)) != 0);
-  CHECK((scan.taps[lines[0]] & mask(Tap::match)) != 0);
+  CHECK((scan.uses.front() & mask(PointUse::map)) == 0);
+  CHECK((scan.uses.front() & mask(PointUse::overlap)) != 0);
+  CHECK((scan.uses[lines[0]] & mask(PointUse::match)) != 0);
 }
 
 TEST_CASE("the border of what is in front is a line, that of the wall behind it is none") {  // eq. FEA-2
@@ -220,8 +220,8 @@ TEST_CASE("voxels of one class leave the other alone, and keep the clearest") {
   SampleBatch batch = scan.view();
   batch.features = scan.features;
   sampler.sample(batch);
-  CHECK(scan.count(Tap::match) == 51);
-  CHECK((scan.taps[90] & mask(Tap::match)) != 0);
+  CHECK(scan.count(PointUse::match) == 51);
+  CHECK((scan.uses[90] & mask(PointUse::match)) != 0);
 }
 
 }  // namespace aslio

@@ -26,7 +26,7 @@ TEST_CASE("range keeps what lies between the limits") {
   test::Batch batch = at_ranges({0.0f, 1.9f, 2.1f, 10.0f, 19.9f, 20.1f, std::nanf("")});
   SampleBatch view = batch.view();
   sampler.sample(view);
-  CHECK(batch.taps == std::vector<TapMask>{0, 0, kAllTaps, kAllTaps, kAllTaps, 0, 0});
+  CHECK(batch.uses == std::vector<PointUses>{0, 0, kAllUses, kAllUses, kAllUses, 0, 0});
 }
 
 TEST_CASE("range takes absent limits from the sensor") {
@@ -37,16 +37,16 @@ TEST_CASE("range takes absent limits from the sensor") {
   test::Batch batch = at_ranges({3.9f, 4.1f, 5.9f, 6.1f});
   SampleBatch view = batch.view();
   sampler.sample(view);
-  CHECK(batch.taps == std::vector<TapMask>{0, kAllTaps, kAllTaps, 0});
+  CHECK(batch.uses == std::vector<PointUses>{0, kAllUses, kAllUses, 0});
 }
 
-TEST_CASE("range acts for its taps only") {
+TEST_CASE("range acts for its uses only") {
   test::BuildEnvironment environment;
-  RangeSampler sampler({.min = 2.0, .max = 20.0, .taps = {"overlap", "match"}}, environment.context());
+  RangeSampler sampler({.min = 2.0, .max = 20.0, .uses = {"overlap", "match"}}, environment.context());
   test::Batch batch = at_ranges({1.0f, 5.0f});
   SampleBatch view = batch.view();
   sampler.sample(view);
-  CHECK(batch.taps == std::vector<TapMask>{mask(Tap::map), kAllTaps});
+  CHECK(batch.uses == std::vector<PointUses>{mask(PointUse::map), kAllUses});
 }
 
 TEST_CASE("range refuses a limit that contradicts the sensor's other limit, and says which") {

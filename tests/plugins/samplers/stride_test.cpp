@@ -21,7 +21,7 @@ std::vector<std::uint32_t> kept(const StrideSampler::Params& params, std::uint64
   sampler.sample(view);
   std::vector<std::uint32_t> indices;
   for (std::size_t i = 0; i < points; ++i) {
-    if (batch.taps[i] != 0) indices.push_back(batch.raw[i].index);
+    if (batch.uses[i] != 0) indices.push_back(batch.raw[i].index);
   }
   return indices;
 }
@@ -87,7 +87,7 @@ TEST_CASE("stride with a known overlap thins after an update that knew its view,
     test::Batch batch = test::random_batch(1000, 1, 10.0f);
     SampleBatch view = batch.view();
     sampler.sample(view);
-    return batch.count(Tap::map);
+    return batch.count(PointUse::map);
   };
   CHECK(kept() == 1000);  // nothing is known before the first update
   Feedback feedback;
@@ -117,15 +117,15 @@ TEST_CASE("stride with a known overlap thins after an update that knew its view,
   CHECK(kept_after(1.0) == 1000);
 }
 
-TEST_CASE("stride acts for its taps only") {
+TEST_CASE("stride acts for its uses only") {
   test::BuildEnvironment environment;
-  StrideSampler sampler({.keep_every = 2, .taps = {"match"}}, environment.context());
+  StrideSampler sampler({.keep_every = 2, .uses = {"match"}}, environment.context());
   test::Batch batch = test::random_batch(10, 1, 10.0f);
   SampleBatch view = batch.view();
   sampler.sample(view);
-  CHECK(batch.count(Tap::match) == 5);
-  CHECK(batch.count(Tap::overlap) == 10);
-  CHECK(batch.count(Tap::map) == 10);
+  CHECK(batch.count(PointUse::match) == 5);
+  CHECK(batch.count(PointUse::overlap) == 10);
+  CHECK(batch.count(PointUse::map) == 10);
 }
 
 }  // namespace aslio

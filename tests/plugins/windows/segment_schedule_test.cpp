@@ -135,7 +135,7 @@ TEST_CASE("a smallest n above two leaves old points in every window, and nothing
   CHECK(schedule.n() == 4);
 }
 
-TEST_CASE("a limit takes n down at once, whoever asks for more, and lets it rise again, with n_least at least") {
+TEST_CASE("a limit takes n down at once, whoever asks for more, and lets it rise again, with n_min at least") {
   SegmentSchedule schedule(0.1, 2, 25, Recover::step);
   schedule.observe(0.2);  // 9
   schedule.observe(0.2);

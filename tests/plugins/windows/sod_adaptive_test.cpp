@@ -81,14 +81,14 @@ TEST_CASE("with n = 2 there is no history and with n = 9 it is 3.5 times the fre
 namespace {
 
 /// Lengths [ms] of the windows that end in (begin, end] ms of an overlap of 0, which asks for n = 11: 18.2 ms.
-std::vector<double> lengths(std::vector<ImuSample> imu, std::int64_t imu_samples, std::int64_t n_least, TimeNs begin,
+std::vector<double> lengths(std::vector<ImuSample> imu, std::int64_t imu_samples, std::int64_t n_min, TimeNs begin,
                             TimeNs end) {
   std::vector<TimedPoint> points;
   test::add_points(points, 0, end * kMs, kMs, 20);
   SodAdaptiveWindow::Params params;
   params.warmup = 2.0;
   params.imu_samples = imu_samples;
-  params.n_least = n_least;
+  params.n_min = n_min;
   std::vector<double> found;
   for (const WindowPlan& plan : run(params, {std::move(points), std::move(imu)}, constant(0.0))) {
     if (plan.end <= begin * kMs || plan.partial) continue;
@@ -99,13 +99,13 @@ std::vector<double> lengths(std::vector<ImuSample> imu, std::int64_t imu_samples
 
 }  // namespace
 
-TEST_CASE("of late no more updates than IMU samples, unless that is asked for, but n_least in any case") {  // eq. WIN-8
-  const auto shortest = [](TimeNs imu_period, std::int64_t samples, std::int64_t n_least = 2) {
+TEST_CASE("of late no more updates than IMU samples, unless that is asked for, but n_min in any case") {  // eq. WIN-8
+  const auto shortest = [](TimeNs imu_period, std::int64_t samples, std::int64_t n_min = 2) {
     std::vector<ImuSample> imu;
     for (TimeNs t = 0; t <= 4000 * kMs; t += imu_period) imu.push_back({.t = t});
     // A gap of 1.5 s before the overlap counts says nothing about the rate.
     std::erase_if(imu, [](const ImuSample& sample) { return sample.t > 300 * kMs && sample.t < 1800 * kMs; });
-    const std::vector<double> found = lengths(std::move(imu), samples, n_least, 0, 4000);
+    const std::vector<double> found = lengths(std::move(imu), samples, n_min, 0, 4000);
     return *std::min_element(found.begin(), found.end());
   };
   CHECK(shortest(5 * kMs, 1) == Approx(200.0 / 11).margin(0.01));
@@ -163,7 +163,7 @@ TEST_CASE(
       REQUIRE(first);
       feedback.t = first->end;
       feedback.status = status;
-      feedback.left_open = status == UpdateStatus::not_converged;
+      feedback.unobservable = status == UpdateStatus::not_converged;
       feedback.overlap.value = 1.0;
       const auto second = strategy.next(stream, feedback, probe);
       REQUIRE(second);
@@ -173,9 +173,9 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "n_least keeps old points in the window at full overlap, and a weak update with fewer segments changes nothing") {
+    "n_min keeps old points in the window at full overlap, and a weak update with fewer segments changes nothing") {
   SodAdaptiveWindow::Params params = without_warmup();
-  params.n_least = 4;
+  params.n_min = 4;
   params.weak_segments = 3;
   const auto plans = run(params, dense_stream(500), constant(1.0));
   REQUIRE(plans.size() == 10);
@@ -186,17 +186,17 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("n_least above n_max, or with a shift below shift_min, is refused") {
+TEST_CASE("n_min above n_max, or with a shift below shift_min, is refused") {
   using Catch::Contains;
   const test::WindowCatalog catalog;
-  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 30, n_max: 25}"), Contains("n_least"));
-  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 4, shift_min: 0.06}"), Contains("shift_min"));
+  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_min: 30, n_max: 25}"), Contains("n_min"));
+  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_min: 4, shift_min: 0.06}"), Contains("shift_min"));
   for (const char* shortest : {"0", "1e-10", "-1e-9"}) {
     CHECK_THAT(catalog.complaint(std::string("{type: sod_adaptive, shift_min: ") + shortest + "}"),
                Contains("shift_min") && Contains("out of range"));
   }
   // 0.2 s hold it three times but for the last nanosecond.
-  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_least: 3, shift_min: 0.0666666667}"), Contains("shift_min"));
+  CHECK_THAT(catalog.complaint("{type: sod_adaptive, n_min: 3, shift_min: 0.0666666667}"), Contains("shift_min"));
 }
 
 TEST_CASE("the shortest shift limits n, so that n, shift and echo stay consistent") {

@@ -43,7 +43,7 @@ class Candidates {
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, imu_samples: 3}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.03, imu_samples: 4, lookahead: true}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 100}",
-                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.03, n_least: 4, min_points: 100}",
+                             "{type: sod_adaptive, warmup: 0.3, seg_step: 0.03, n_min: 4, min_points: 100}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.05, recover: ramp, lookahead: true}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, lookahead: true, min_points: 0}",
                              "{type: sod_adaptive, warmup: 0.3, seg_step: 0.04, min_points: 0, echo: false}",

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <filesystem>
 
 #include "recorded.hpp"
 
@@ -14,9 +15,9 @@ namespace {
 
 /// What read_bag.py prints, errors included.
 std::string read_by_rosbag(const Recorded& recorded) {
-  const std::string script = std::string(ASLIO_SOURCE_DIR) + "/tests/simulator/record/read_bag.py";
+  const std::filesystem::path script = std::filesystem::path(ASLIO_SOURCE_DIR) / "tests/simulator/record/read_bag.py";
   const std::string command =
-      "/usr/bin/python3 -B -W error '" + script + "' '" + (recorded / "quick.bag").string() + "' 2>&1";
+      "/usr/bin/python3 -B -W error '" + script.string() + "' '" + (recorded / "quick.bag").string() + "' 2>&1";
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
   std::string text;

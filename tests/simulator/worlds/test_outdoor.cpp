@@ -13,8 +13,8 @@ using namespace aslio::simulator::testing;
 
 namespace {
 
-constexpr std::size_t kMostTriangles = 1'500'000;
-constexpr std::size_t kMostBytes = 400'000'000;
+constexpr std::size_t kMaxTriangles = 1'500'000;
+constexpr std::size_t kMaxBytes = 400'000'000;
 
 World built(const Scene& scene, const Route& route, double scale) {
   switch (scene.world.type) {
@@ -93,8 +93,8 @@ TEST_CASE("garage and approach leave the route free, stand on their ground and h
   const Caster caster(world.mesh);
   CHECK(worst_ground(world, caster, route) < 0.01);
   CHECK(share_of_hits(world, caster, route) > 0.999);
-  CHECK(world.mesh.triangles.size() < kMostTriangles);
-  CHECK(caster.bytes() < kMostBytes);
+  CHECK(world.mesh.triangles.size() < kMaxTriangles);
+  CHECK(caster.bytes() < kMaxBytes);
 }
 
 TEST_CASE("a campus leaves the route free and stands on its ground", "[worlds]") {
@@ -106,8 +106,8 @@ TEST_CASE("a campus leaves the route free and stands on its ground", "[worlds]")
   CHECK(worst_clearance(world, route) >= 1 - 1e-6);
   const Caster caster(world.mesh);
   CHECK(worst_ground(world, caster, route) < 0.01);
-  CHECK(world.mesh.triangles.size() < kMostTriangles);
-  CHECK(caster.bytes() < kMostBytes);
+  CHECK(world.mesh.triangles.size() < kMaxTriangles);
+  CHECK(caster.bytes() < kMaxBytes);
 }
 
 TEST_CASE("the seed of an outdoor world gives its bits", "[worlds]") {

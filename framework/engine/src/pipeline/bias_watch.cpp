@@ -9,12 +9,12 @@ namespace {
 
 constexpr double kNowTime = 0.3, kUsualTime = 5.0, kLearning = 2.0;  // [s]
 constexpr double kStepFactor = 5.0;                                  // times what is usual
-constexpr double kLeastStep = 0.002;                                 // [rad/s]: a part that warms up changes by less
+constexpr double kMinStep = 0.002;                                   // [rad/s]: a part that warms up changes by less
 constexpr double kStepFor = 0.2;                                     // [s]
 constexpr double kFastTurn = 0.5;  // [rad/s]: then scale, cross-axis terms and delays turn predictions, too
 
 bool says_nothing(const Window& window, const Update& update) {
-  if (!update.accepted || update.leaves_open() || window.imu_gap > 0 || window.imu.size() < 2) return true;
+  if (!update.accepted || update.unobservable_direction() || window.imu_gap > 0 || window.imu.size() < 2) return true;
   double fastest = 0;
   std::uint8_t faults = 0;
   for (const ImuSample& s : window.imu) {
@@ -34,8 +34,7 @@ double BiasWatch::observe(const Window& window, const Update& update) {
   now_ += (1 - std::exp(-dt / kNowTime)) * (pull - now_);
   seen_ += dt;
   const double square = now_.squaredNorm();
-  const bool steps =
-      seen_ > kLearning && square > kLeastStep * kLeastStep && square > kStepFactor * kStepFactor * usual_;
+  const bool steps = seen_ > kLearning && square > kMinStep * kMinStep && square > kStepFactor * kStepFactor * usual_;
   steps_for_ = steps ? steps_for_ + dt : 0;
   if (steps_for_ > kStepFor) {
     begin();

@@ -330,7 +330,7 @@ void Monitor::judge_learnt(const Update& update, double dt) {
 
 /// The direction that the points leave open.
 void Monitor::note_unbound(const Update& update, double dt) {
-  if (!update.leaves_open() || !update.weakest.allFinite() || update.weakest.isZero()) return;
+  if (!update.unobservable_direction() || !update.weakest.allFinite() || update.weakest.isZero()) return;
   const Vec3 turn = update.weakest.head<3>(), shift = update.state.R.transpose() * update.weakest.tail<3>();
   if (shift.squaredNorm() >= turn.squaredNorm()) {
     report_.unbound[axis_of(shift)] += dt;

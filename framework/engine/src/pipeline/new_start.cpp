@@ -15,7 +15,7 @@ namespace {
 /// A position that was dead-reckoned for longer is worth less than none [s].
 constexpr double kReckonedPosition = 10.0;
 /// An acceleration turns the mean specific force by no more than this from the vertical [rad].
-constexpr double kMostTilt = 20.0 * kRadPerDeg;
+constexpr double kMaxTilt = 20.0 * kRadPerDeg;
 
 /// A sensor that is dead-reckoned to be faster than this after `blind` [s] is not at rest, however quiet its IMU: it
 /// may go at an even speed [m/s].
@@ -23,7 +23,7 @@ double fastest_at_rest(double blind) { return 0.4 + 0.05 * blind; }
 
 bool agree_on_vertical(const NavState& reckoned, const Vec3& acc) {
   const Vec3 up = -(reckoned.R.transpose() * reckoned.g);
-  return up.normalized().dot(acc.normalized()) > std::cos(kMostTilt);
+  return up.normalized().dot(acc.normalized()) > std::cos(kMaxTilt);
 }
 
 /// Everything but what is doubted more with time.

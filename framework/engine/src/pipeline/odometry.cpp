@@ -27,9 +27,9 @@ double gyro_rms(std::span<const ImuSample> samples) {
 
 }  // namespace
 
-class Odometry::Loop {
+class Odometry::Pipeline {
  public:
-  Loop(const PipelineConfig& config, const BuildContext& context, StageSet stages)
+  Pipeline(const PipelineConfig& config, const BuildContext& context, StageSet stages)
       : config_(config),
         sensor_(context.sensor),
         start_offset_(start_offset(context.order_seed)),
@@ -78,7 +78,7 @@ class Odometry::Loop {
     {  // After alignment, BEFORE merging: measured after the merge it would always be about 1.
       const CpuTimer timer(record.times.overlap);
       stages_.overlap->advance(plan.end);
-      record.overlap = stages_.overlap->evaluate(update.points(Tap::overlap), plan.end);
+      record.overlap = stages_.overlap->evaluate(update.points(PointUse::overlap), plan.end);
     }
     record.monitor = monitor_.observe(window, update, record.overlap, record.bridged);
     const bool alarm = monitor_.alarm().has_value();
@@ -113,7 +113,7 @@ class Odometry::Loop {
     // Of a map that has begun anew nothing is known.
     const OverlapScore overlap = update.restart_map ? OverlapScore{} : record.overlap;
     feedback_ = {plan.end,     feedback_.first_insertion, update.status,    overlap,
-                 update.state, update.spectrum,           record.n_matches, update.leaves_open()};
+                 update.state, update.spectrum,           record.n_matches, update.unobservable_direction()};
   }
 
   /// The points of before a jump of the clock are gone, and how long ago they were is not known.
@@ -161,7 +161,7 @@ class Odometry::Loop {
     begin(initialisation_->initial);
     tracking_.begin(feedback_.t);
     // A silence is known to be longer than max_gap once points that much later came, and the IMU may still be late.
-    stream_.wait_for_imu(to_ns(config_.limits.max_gap) + kMostKept);
+    stream_.wait_for_imu(to_ns(config_.limits.max_gap) + kMaxKept);
     return true;
   }
 
@@ -186,7 +186,7 @@ class Odometry::Loop {
   /// Without IMU data nothing begins, nor without points, and what comes of the others would pile up.
   void forget_waiting_data() {
     if (stream_.last_point() > kTimeMin + points_kept()) stream_.forget_points(stream_.last_point() - points_kept());
-    const TimeNs imu_kept = kMostKept + to_ns(config_.initialisation.time);
+    const TimeNs imu_kept = kMaxKept + to_ns(config_.initialisation.time);
     const bool no_points_yet = !stream_.first_point() && stream_.last_imu() > kTimeMin + imu_kept;
     if (no_points_yet && stream_.imu_settled()) stream_.release(stream_.last_imu() - imu_kept);
   }
@@ -199,7 +199,7 @@ class Odometry::Loop {
   }
 
   /// Of points that wait for IMU data: those of the first sweeps (INI-6) are among them, also of a slow sensor.
-  TimeNs points_kept() const { return kMostKept + sweep_motion_span(sensor_) - kSweepsOfMotion * kSecond / 10; }
+  TimeNs points_kept() const { return kMaxKept + sweep_motion_span(sensor_) - kSweepsOfMotion * kSecond / 10; }
 
   /// Everything anew but the stream. The old map is let go: how it lies to what follows is not known.
   bool restart() {
@@ -317,7 +317,7 @@ class Odometry::Loop {
     {
       const CpuTimer timer(record.times.overlap);
       if (update.restart_map) stages_.overlap->clear();
-      stages_.overlap->extend(update.points(Tap::overlap), window.plan.end);
+      stages_.overlap->extend(update.points(PointUse::overlap), window.plan.end);
       stages_.overlap->trim(update.state.p, stages_.map->radius());
     }
     if (feedback_.first_insertion == kTimeMax && stages_.map->size() > 0) feedback_.first_insertion = window.plan.end;
@@ -354,7 +354,7 @@ class Odometry::Loop {
 
   /// Of data that wait for others, while there is no state. IMU data that come no later than this after the points
   /// change nothing by it.
-  static constexpr TimeNs kMostKept = 5 * kSecond;
+  static constexpr TimeNs kMaxKept = 5 * kSecond;
   PipelineConfig config_;
   SensorModel sensor_;
   TimeNs start_offset_;
@@ -385,33 +385,33 @@ class Odometry::Loop {
 Odometry::Odometry(const PipelineConfig& config, const BuildContext& context)
     : Odometry(config, context, build_stages(config, context)) {}
 Odometry::Odometry(const PipelineConfig& config, const BuildContext& context, StageSet stages)
-    : loop_(std::make_unique<Loop>(config, context, std::move(stages))) {}
+    : pipeline_(std::make_unique<Pipeline>(config, context, std::move(stages))) {}
 Odometry::~Odometry() = default;
 
-void Odometry::add_observer(UpdateObserver& observer) { loop_->observers_.push_back(&observer); }
+void Odometry::add_observer(UpdateObserver& observer) { pipeline_->observers_.push_back(&observer); }
 
 void Odometry::push(Measurement&& measurement) {
-  if (loop_->has_ended()) return;  // it would only pile up
+  if (pipeline_->has_ended()) return;  // it would only pile up
   if (auto* packet = std::get_if<LidarPacket>(&measurement)) {
-    loop_->stream_.push(std::move(*packet));
+    pipeline_->stream_.push(std::move(*packet));
   } else {
-    loop_->stream_.push(std::get<ImuSample>(measurement));
+    pipeline_->stream_.push(std::get<ImuSample>(measurement));
   }
-  loop_->note_clock_jumps();
-  loop_->run_available();
+  pipeline_->note_clock_jumps();
+  pipeline_->run_available();
 }
 
-void Odometry::finish() { loop_->finish(); }
+void Odometry::finish() { pipeline_->finish(); }
 
-const Divergence* Odometry::divergence() const { return loop_->tracking_.divergence(); }
-const std::vector<Divergence>& Odometry::losses() const { return loop_->tracking_.losses(); }
-bool Odometry::has_ended() const { return loop_->has_ended(); }
-const MonitorReport& Odometry::monitor() const { return loop_->monitor_.report(); }
-TrackingStatus Odometry::tracking() const { return loop_->tracking_.status(); }
-const std::optional<Initialisation>& Odometry::initialisation() const { return loop_->initialisation_; }
-const stream::MeasurementStream& Odometry::stream() const { return loop_->stream_; }
-const Map& Odometry::map() const { return *loop_->stages_.map; }
-const OverlapMetric& Odometry::overlap() const { return *loop_->stages_.overlap; }
-const RangeNoise& Odometry::range_noise() const { return loop_->range_noise_; }
+const Divergence* Odometry::divergence() const { return pipeline_->tracking_.divergence(); }
+const std::vector<Divergence>& Odometry::losses() const { return pipeline_->tracking_.losses(); }
+bool Odometry::has_ended() const { return pipeline_->has_ended(); }
+const MonitorReport& Odometry::monitor() const { return pipeline_->monitor_.report(); }
+TrackingStatus Odometry::tracking() const { return pipeline_->tracking_.status(); }
+const std::optional<Initialisation>& Odometry::initialisation() const { return pipeline_->initialisation_; }
+const stream::MeasurementStream& Odometry::stream() const { return pipeline_->stream_; }
+const Map& Odometry::map() const { return *pipeline_->stages_.map; }
+const OverlapMetric& Odometry::overlap() const { return *pipeline_->stages_.overlap; }
+const RangeNoise& Odometry::range_noise() const { return pipeline_->range_noise_; }
 
 }  // namespace aslio::pipeline

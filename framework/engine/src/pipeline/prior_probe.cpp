@@ -8,7 +8,7 @@
 namespace aslio::pipeline {
 
 OverlapScore PriorProbe::overlap(TimeNs t) {
-  constexpr std::size_t kMostPoints = 2000;  // enough for a share to 1 %
+  constexpr std::size_t kMaxPoints = 2000;  // enough for a share to 1 %
   const NavState& from = estimator_.state();
   points_.clear();
   if (!estimator_.uses_imu()) {
@@ -20,16 +20,16 @@ OverlapScore PriorProbe::overlap(TimeNs t) {
   const Pose begin = from.pose();
   const Pose end = estimator_.predict(imu_).pose();
   const auto raw = stream_.points(from.t, t);
-  taps_.assign(raw.size(), mask(Tap::overlap));
-  SampleBatch batch{raw, {}, taps_};
+  uses_.assign(raw.size(), mask(PointUse::overlap));
+  SampleBatch batch{raw, {}, uses_};
   samplers_.sample(Sampler::ActsOn::raw, batch);
   left_.clear();
   for (std::uint32_t i = 0; i < raw.size(); ++i) {
-    if (taps_[i] != 0) left_.push_back(i);
+    if (uses_[i] != 0) left_.push_back(i);
   }
-  const std::size_t taken = overlap_.frames_reach_back() ? left_.size() : std::min(left_.size(), kMostPoints);
+  const std::size_t taken = overlap_.frames_reach_back() ? left_.size() : std::min(left_.size(), kMaxPoints);
   const double span = to_seconds(t - from.t);
-  OneOfEachRun choice(taken, left_.size(), 0);
+  StratifiedPick choice(taken, left_.size(), 0);
   for (std::size_t k = 0; k < taken; ++k) {
     const std::uint32_t i = left_[choice.next()];
     const TimedPoint& p = raw[i];

@@ -28,7 +28,7 @@ class PriorProbe final : public OverlapProbe {
   OverlapMetric& overlap_;
   SensorModel sensor_;
   std::vector<ImuSample> imu_;
-  std::vector<TapMask> taps_;
+  std::vector<PointUses> uses_;
   std::vector<std::uint32_t> left_;
   std::vector<WorldPoint> points_;
 };

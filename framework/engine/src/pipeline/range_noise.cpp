@@ -17,14 +17,14 @@ constexpr TimeNs kLongestStep = kSecond / 2000;
 /// Ratios of the histogram: exp(kLowest) to exp(kLowest + kBins * kBinWidth), 1/50 to 60.
 constexpr double kLowest = -3.9, kBinWidth = 0.02;
 /// Groups before anything is said, and those after which all counts are halved, so that the old is forgotten.
-constexpr std::uint32_t kEnough = 400, kMost = 40000;
+constexpr std::uint32_t kEnough = 400, kMax = 40000;
 /// A quantile so low that half of the groups may lie on clutter: it is then the upper limit of the smooth ones' middle.
 /// Of a chi-square with 9 degrees of freedom over 9, the root of that quantile.
 constexpr double kQuantile = 0.3, kAtQuantile = 0.8428;
 
 // Beyond these the noise differs clearly from what is counted on.
 constexpr double kDeadBand = 1.35, kBack = 1.2, kHold = 1.25;
-constexpr double kMostScale = 4, kStep = 0.125;
+constexpr double kMaxScale = 4, kStep = 0.125;
 
 /// Orthonormal polynomials of degree 1 and 2 over the points of a group.
 template <std::size_t N>
@@ -114,7 +114,7 @@ void RangeNoiseMeter::count(double ratio) {
   const double bin = (std::log(std::max(ratio, 1e-6)) - kLowest) / kBinWidth;
   const auto last = static_cast<double>(kBins - 1);
   ++histogram_[static_cast<std::size_t>(std::clamp(bin, 0.0, last))];
-  if (++groups_ < kMost) return;
+  if (++groups_ < kMax) return;
   groups_ = 0;
   for (std::uint32_t& n : histogram_) {
     n /= 2;
@@ -151,7 +151,7 @@ void RangeNoise::observe(std::span<const TimedPoint> points) {
   if (!ratio) return;
   if (seen_ == 1.0 ? *ratio <= kDeadBand : (*ratio <= kHold * seen_ && kHold * *ratio >= seen_ && *ratio > kBack))
     return;
-  seen_ = *ratio > kBack ? std::clamp(std::round(*ratio / kStep) * kStep, 1.0, kMostScale) : 1.0;
+  seen_ = *ratio > kBack ? std::clamp(std::round(*ratio / kStep) * kStep, 1.0, kMaxScale) : 1.0;
 }
 
 std::optional<double> RangeNoise::range_sigma_seen() const {

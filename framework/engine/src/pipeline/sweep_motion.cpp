@@ -23,7 +23,7 @@ constexpr std::size_t kScanPoints = 8000;        // of a sweep, where nothing st
 constexpr double kMaxUprightRange = 100.0;       // and to compare velocities by what stands there [m]
 constexpr std::size_t kMinSweepPoints = 100;     // a sweep with fewer says nothing
 constexpr double kSigmaGyro = 0.02;              // of a rate that is not corrected for its bias [rad/s]
-constexpr double kMostOfGyro = 0.1;              // a bias beyond that is implausible (MON-4) [rad/s]
+constexpr double kMaxOfGyro = 0.1;               // a bias beyond that is implausible (MON-4) [rad/s]
 
 class Registration {
  public:
@@ -230,7 +230,7 @@ class Registration {
   static std::vector<SweepPoint> some(const std::vector<SweepPoint>& all, std::size_t most) {
     std::vector<SweepPoint> out;
     const std::size_t taken = std::min(most, all.size());
-    OneOfEachRun choice(taken, all.size(), 1);
+    StratifiedPick choice(taken, all.size(), 1);
     for (std::size_t k = 0; k < taken; ++k) out.push_back(all[choice.next()]);
     return out;
   }
@@ -420,7 +420,7 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   out.sigma_tilt = worst(3) / kStandardGravity;
   out.moves = better && best.v.norm() > std::max(kRestSpeed, out.sigma_velocity);
   out.ambiguous = !alone;
-  out.contradicts_gyro = registration.inertial() && best.e.norm() > kMostOfGyro;
+  out.contradicts_gyro = registration.inertial() && best.e.norm() > kMaxOfGyro;
   out.believed = fits && !out.contradicts_gyro && out.sigma_velocity < (alone ? 1.0 : kCertain);
   return out;
 }

@@ -79,7 +79,7 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
   if (update.accepted) {
     silence_ = 0;
     ever_accepted_ = true;
-    if (drifts_unread(length, unread, update.leaves_open())) {
+    if (drifts_unread(length, unread, update.unobservable_direction())) {
       return diverge(end, true,
                      "the IMU read nothing, and before all was well again the points left a direction open: how far "
                      "the sensor went is not known");

@@ -20,7 +20,7 @@ std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const 
   if (points.empty()) return std::nullopt;
   if (last_point_ > kTimeMin && points.front().t - last_point_ > blind_) forget();
   last_point_ = points.back().t;
-  const std::size_t stride = points.size() / kMostPoints + 1;
+  const std::size_t stride = points.size() / kMaxPoints + 1;
   TimeNs posed = kTimeMin;
   Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
   for (std::size_t i = 0; i < points.size(); i += stride) {
@@ -59,10 +59,10 @@ std::optional<double> ViewChange::compare() const {
     if (a.n == 0 || b.n == 0) continue;
     const double change =
         static_cast<double>(a.sum) / static_cast<double>(a.n) - static_cast<double>(b.sum) / static_cast<double>(b.n);
-    sum += std::min(std::abs(change), kMost);
+    sum += std::min(std::abs(change), kMax);
     ++n;
   }
-  return n < kLeast ? std::nullopt : std::optional(sum / n);
+  return n < kMin ? std::nullopt : std::optional(sum / n);
 }
 
 }  // namespace aslio::pipeline

@@ -13,7 +13,7 @@ constexpr std::uint32_t kSeen = 2;   // points that a direction needs
 constexpr float kOneSurface = 1.3F;  // farthest to nearest of one surface
 constexpr float kLoose = 0.08F;      // share of a range within which two agree, and ..
 constexpr float kLooseBy = 0.15F;    // .. so much more [m]
-constexpr double kSeenAgain = 0.45;  // least share of the directions of the slot before that are seen again, and ..
+constexpr double kSeenAgain = 0.4;   // least share of the directions of the slot before that are seen again, and ..
 constexpr double kOfUsual = 0.55;    // .. of the most that were seen again in a slot of the last second
 
 }  // namespace
@@ -32,7 +32,7 @@ std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const T
   if (points.empty()) return std::nullopt;
   const TimeNs length = last_end_ > kTimeMin ? std::clamp<TimeNs>(t - last_end_, 1, slot_) : slot_;
   last_end_ = t;
-  const double most = static_cast<double>(kMostPoints) * static_cast<double>(length) / static_cast<double>(slot_);
+  const double most = static_cast<double>(kMaxPoints) * static_cast<double>(length) / static_cast<double>(slot_);
   place(points, poses, 1 + static_cast<std::size_t>(static_cast<double>(points.size()) / std::max(most, 1.0)));
   if (now_.begin == kTimeMin || t - now_.begin < slot_ - kSlack) return std::nullopt;
   const auto unexplained = compare();
@@ -92,7 +92,7 @@ std::optional<double> ViewCheck::compare() {
   // view away over several slots.
   const int usual = *std::max_element(n_again_.begin(), n_again_.end());
   if (n < kSeenAgain * seen || n < kOfUsual * usual) return std::nullopt;
-  return n < kLeast ? std::nullopt : std::optional(static_cast<double>(unexplained) / n);
+  return n < kMin ? std::nullopt : std::optional(static_cast<double>(unexplained) / n);
 }
 
 }  // namespace aslio::pipeline

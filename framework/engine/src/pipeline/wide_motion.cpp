@@ -98,11 +98,11 @@ bool acceleration_unread(const Window& window) {
 }  // namespace
 
 void WideMotion::observe(const Window& window, const Update& update) {
-  const auto points = update.points(Tap::match);
+  const auto points = update.points(PointUse::match);
   const double length = to_seconds(window.plan.end - window.plan.fresh_begin);
   const auto most = static_cast<std::size_t>(kPointsPerSecond * std::clamp(length, 1e-3, 0.5));
   const std::size_t taken = std::min(most, points.size());
-  OneOfEachRun choice(taken, points.size(), 0);
+  StratifiedPick choice(taken, points.size(), 0);
   for (std::size_t k = 0; k < taken; ++k) {
     const WorldPoint& p = points[choice.next()];
     seen_.push_back({p.t, p.p_W});
@@ -144,7 +144,7 @@ std::vector<SweepPoint> WideMotion::load_points(const Window& window, const NavS
   }
   std::vector<SweepPoint> out;
   const std::size_t most = std::min(kQueryPoints, all.size());
-  OneOfEachRun choice(most, all.size(), 0);
+  StratifiedPick choice(most, all.size(), 0);
   for (std::size_t k = 0; k < most; ++k) out.push_back(all[choice.next()]);
   return out;
 }

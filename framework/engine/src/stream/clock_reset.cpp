@@ -11,7 +11,7 @@ namespace {
 constexpr TimeNs kGoesOn = kSecond;
 constexpr int kUsual = 3;
 /// More is not kept of a sensor whose clock jumped while the other says nothing.
-constexpr TimeNs kMostKeptAfterJump = 10 * kSecond;
+constexpr TimeNs kMaxKeptAfterJump = 10 * kSecond;
 /// What the jumps of two clocks that are one may differ by: both are known to no more than the silence before.
 constexpr TimeNs kJumpsAgree = kSecond;
 
@@ -37,7 +37,7 @@ void MeasurementStream::keep_after_jump(ArrivedPacket&& arrived) {
   }
   packets_after_jump_.push_back(std::move(arrived));
   const TimeNs kept = packets_after_jump_.back().key.last - packets_after_jump_.front().key.first;
-  const bool alone = !imu_left_out_ && (last_imu_ == kTimeMin || kept > kMostKeptAfterJump);
+  const bool alone = !imu_left_out_ && (last_imu_ == kTimeMin || kept > kMaxKeptAfterJump);
   if (alone) packet_guard_.fail(last_point_);
   if (imu_left_out_ || imu_jump_.pending) decide_on_jump(packet_guard_, last_point_);
 }
@@ -49,7 +49,7 @@ void MeasurementStream::keep_after_jump(const ImuSample& sample) {
   }
   imu_after_jump_.push_back(sample);
   const TimeNs kept = sample.t - imu_after_jump_.front().t;
-  if (last_point_ == kTimeMin || kept > kMostKeptAfterJump) imu_guard_.fail(last_imu_);
+  if (last_point_ == kTimeMin || kept > kMaxKeptAfterJump) imu_guard_.fail(last_imu_);
   if (packet_jump_.pending) decide_on_jump(imu_guard_, last_imu_);
 }
 

@@ -123,7 +123,7 @@ void ImuSpikes::push(const ImuSample& sample, std::vector<ImuSample>& out) {
   if (far(*last_, sample)) {
     held_.push_back(sample);
     const bool too_long = held_.size() > 1 && sample.t - last_->t > kLongest;
-    if (held_.size() > kMostInARow || too_long) accept_held(out);
+    if (held_.size() > kMaxInARow || too_long) accept_held(out);
     return;
   }
   if (!held_.empty() && are_spikes(sample)) refuse();

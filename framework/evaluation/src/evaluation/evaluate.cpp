@@ -114,7 +114,7 @@ EndToEnd end_to_end(const Trajectory& estimate, const std::vector<PosePair>& pai
 
 /// The way of this time is the shortest distance of the relative error: of the pairs of 10 Hz, six in ten are then
 /// within its tolerance at least [s].
-constexpr double kLeastDistanceTime = 0.3;
+constexpr double kMinDistanceTime = 0.3;
 
 /// Median speed of the reference where it moves, over steps of 0.1 s or, where its own are longer, over those [m/s].
 double usual_speed(const Trajectory& reference) {
@@ -134,7 +134,7 @@ double usual_speed(const Trajectory& reference) {
 
 /// Distances by the reference alone, so that they are those of every estimate over it. eq. EVAL-11
 std::vector<double> distances_for(const Trajectory& reference, double path) {
-  const double least = kLeastDistanceTime * usual_speed(reference);
+  const double least = kMinDistanceTime * usual_speed(reference);
   std::vector<double> out;
   for (const double distance : {1.0, 5.0, 10.0, 50.0, 100.0}) {
     if (distance >= least && distance <= 0.5 * path) out.push_back(distance);

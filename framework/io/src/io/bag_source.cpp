@@ -27,9 +27,9 @@ std::string list_topics(const std::vector<Connection>& connections) {
   for (const Connection& c : connections) lines.push_back(fmt::format("\n  {} [{}]", c.topic, c.type));
   std::sort(lines.begin(), lines.end());
   lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
-  constexpr std::size_t kMost = 50;
-  for (std::size_t i = 0; i < std::min(kMost, lines.size()); ++i) text += lines[i];
-  if (lines.size() > kMost) text += fmt::format("\n  and {} more", lines.size() - kMost);
+  constexpr std::size_t kMax = 50;
+  for (std::size_t i = 0; i < std::min(kMax, lines.size()); ++i) text += lines[i];
+  if (lines.size() > kMax) text += fmt::format("\n  and {} more", lines.size() - kMax);
   return text.empty() ? "\n  (none)" : text;
 }
 
@@ -233,7 +233,7 @@ class BagSource final : public MeasurementSource {
         "recorded so late, write the bag anew with them as times of recording",
         path_.string(), imu_topic, lidar_topic, to_seconds(apart(lidar)), to_seconds(most), lie(imu),
         lie(*lidar.offset()), std::abs(imu) > std::abs(*lidar.offset()) ? imu_topic : lidar_topic,
-        SensorConfig::kMostDelay));
+        SensorConfig::kMaxDelay));
   }
 
   void set_section(const Section& section) {

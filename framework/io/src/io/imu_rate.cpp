@@ -19,12 +19,12 @@ bool ImuBeginning::add(const ImuSample& sample, TimeNs recorded) {
 }
 
 void ImuBeginning::wait(const ImuSample& sample, TimeNs recorded) {
-  constexpr std::size_t kMostWaiting = 4000;  // where the times of recording do not go on
+  constexpr std::size_t kMaxWaiting = 4000;  // where the times of recording do not go on
   if (samples_.empty()) begun_ = recorded;
   clock_.add(sample.t, recorded);
   samples_.push_back(sample);
   recorded_.push_back(recorded);
-  if (recorded - begun_ > kJudgedImuSpan || recorded_.size() >= kMostWaiting) judge_clock();
+  if (recorded - begun_ > kJudgedImuSpan || recorded_.size() >= kMaxWaiting) judge_clock();
 }
 
 void ImuBeginning::finish() {

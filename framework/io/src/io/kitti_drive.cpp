@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestScan = 256U << 20U;
-constexpr std::size_t kMostFrames = 1'000'000;
+constexpr std::size_t kMaxFrames = 1'000'000;
 
 std::ifstream open(const fs::path& path) {
   if (!fs::is_directory(path)) require_input(path);  // reading a folder says so
@@ -64,7 +64,7 @@ std::vector<std::optional<TimeNs>> read_times(const fs::path& path) {
   std::ifstream file = open(path);
   std::vector<std::optional<TimeNs>> times;
   std::string line;
-  while (std::getline(file, line) && times.size() < kMostFrames) {
+  while (std::getline(file, line) && times.size() < kMaxFrames) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     const auto t = parse_time(line);
     if (!t && !line.empty()) bad_line(path, times.size() + 1, line, "a time like 2011-09-26 13:04:32.335337762");

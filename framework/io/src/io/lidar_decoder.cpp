@@ -224,7 +224,7 @@ class CloudDecoder final : public LidarDecoder {
     constexpr std::size_t kEnough = 10;
     if (packet.points.size() < kEnough) return false;
     judged_.push_back(judge_cloud_times(view, sweep_period_));
-    const bool told = like(judged_.back()) >= kAgreeing || judged_.size() >= kMostJudged;
+    const bool told = like(judged_.back()) >= kAgreeing || judged_.size() >= kMaxJudged;
     if (!told && view.table.time.present()) return false;
     decide(notes);
     return true;
@@ -247,7 +247,7 @@ class CloudDecoder final : public LidarDecoder {
 
  private:
   static constexpr std::ptrdiff_t kAgreeing = 3;  ///< clouds of one verdict that decide
-  static constexpr std::size_t kMostJudged = 10;  ///< and where they do not agree, the most of so many
+  static constexpr std::size_t kMaxJudged = 10;   ///< and where they do not agree, the most of so many
 
   /// How many clouds say the same.
   std::ptrdiff_t like(const decode::CloudTimeRule& rule) const {

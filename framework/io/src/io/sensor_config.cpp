@@ -79,11 +79,11 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
     model.T_imu_lidar.R = exact ? R : orthonormalised(R);
   }
   std::vector<double> sensitivity = rows_of(sensor.gyro_sensitivity);
-  b.reals("gyro_sensitivity", sensitivity, 9, "1", {.min = -kMostSensitivity, .max = kMostSensitivity},
+  b.reals("gyro_sensitivity", sensitivity, 9, "1", {.min = -kMaxSensitivity, .max = kMaxSensitivity},
           "S, known beforehand, row by row: the gyro measures (I + S) w and a bias; taken out of what is read "
           "(`aslio calibrate` tells it from runs)");
   sensor.gyro_sensitivity = matrix_of(sensitivity);
-  b.real("imu_delay", sensor.imu_delay, "s", {.min = -kMostDelay, .max = kMostDelay},
+  b.real("imu_delay", sensor.imu_delay, "s", {.min = -kMaxDelay, .max = kMaxDelay},
          "known beforehand: an IMU sample tells of the motion this long before its stamp; taken out of the stamps");
   std::int64_t lines = model.scan_lines;
   b.integer("scan_lines", lines, "1", {.min = 1, .max = 256}, "scan lines; Livox points of a higher line are dropped");

@@ -5,7 +5,7 @@
 namespace aslio::io {
 
 void TopicStatistics::add(TimeNs stamp) {
-  constexpr std::size_t kMostSteps = 4'000'000;  // 5.5 h at 200 Hz; later ones count for the gap only through the rate
+  constexpr std::size_t kMaxSteps = 4'000'000;  // 5.5 h at 200 Hz; later ones count for the gap only through the rate
   if (count_++ == 0) {
     first_ = last_ = newest_ = stamp;
     return;
@@ -14,7 +14,7 @@ void TopicStatistics::add(TimeNs stamp) {
   if (stamp == last_) ++repeated_;
   last_ = stamp;
   if (stamp <= newest_) return;
-  if (steps_.size() < kMostSteps) steps_.push_back(stamp - newest_);
+  if (steps_.size() < kMaxSteps) steps_.push_back(stamp - newest_);
   newest_ = stamp;
 }
 

@@ -80,7 +80,7 @@ class Mean {
     squares_ += w * value * value;
   }
   /// `what`, in messages.
-  Known<double> result(const char* what) const {
+  Estimate<double> result(const char* what) const {
     if (count_ == 0 && differ_) {
       throw DataError(fmt::format("the runs hold a part of {} fixed, at different values of their sensor files", what));
     }
@@ -191,13 +191,13 @@ SensorCalibration combine(const std::vector<RunCalibration>& runs, const config:
   }
   SensorCalibration out;
   for (int i = 0; i < 9; ++i) {
-    const Known<double> entry = S[static_cast<std::size_t>(i)].result("gyro_sensitivity");
+    const Estimate<double> entry = S[static_cast<std::size_t>(i)].result("gyro_sensitivity");
     out.gyro_sensitivity.value(i) = entry.value;
     out.gyro_sensitivity.sigma(i) = entry.sigma;
   }
   out.imu_delay = delay.result("imu_delay");
   const double largest = out.gyro_sensitivity.value.cwiseAbs().maxCoeff();
-  if (largest > io::SensorConfig::kMostSensitivity || std::abs(out.imu_delay.value) > io::SensorConfig::kMostDelay) {
+  if (largest > io::SensorConfig::kMaxSensitivity || std::abs(out.imu_delay.value) > io::SensorConfig::kMaxDelay) {
     throw DataError(
         fmt::format("the sensitivity of the gyro would be off by up to {:.3g} % and its delay {:.3g} s: no "
                     "working sensor is; check its units and what the runs made of the recording",

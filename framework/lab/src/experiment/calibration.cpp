@@ -11,14 +11,14 @@ namespace aslio::experiment {
 
 namespace {
 
-std::optional<Known<Vec3>> three(const Vec3& value, const StateMatrix& P, int at) {
+std::optional<Estimate<Vec3>> three(const Vec3& value, const StateMatrix& P, int at) {
   const Vec3 variance = P.diagonal().segment<3>(at);
   if (variance.maxCoeff() <= 0.0) return std::nullopt;
-  return Known<Vec3>{value, variance.cwiseMax(0.0).cwiseSqrt()};
+  return Estimate<Vec3>{value, variance.cwiseMax(0.0).cwiseSqrt()};
 }
 
 /// Of the largest term beside the diagonal, in percent; empty when all of them are held fixed.
-std::string cross_axis(const Known<Mat3>& S) {
+std::string cross_axis(const Estimate<Mat3>& S) {
   if (S.sigma(0, 1) <= 0.0) return {};
   Mat3 off = S.value.cwiseAbs();
   off.diagonal().setConstant(-1.0);
@@ -31,9 +31,9 @@ std::string cross_axis(const Known<Mat3>& S) {
 
 namespace {
 
-std::optional<Known<Vec3>> known(const Vec3& value, const Vec3& sigma) {
+std::optional<Estimate<Vec3>> known(const Vec3& value, const Vec3& sigma) {
   if (sigma.maxCoeff() <= 0.0) return std::nullopt;
-  return Known<Vec3>{value, sigma};
+  return Estimate<Vec3>{value, sigma};
 }
 
 void add_sensor(const SensorEstimate& sensor, Calibration& out) {
@@ -44,7 +44,7 @@ void add_sensor(const SensorEstimate& sensor, Calibration& out) {
   out.T_imu_lidar = sensor.T_imu_lidar;
 }
 
-std::string triple(const Known<Vec3>& known, double unit) {
+std::string triple(const Estimate<Vec3>& known, double unit) {
   std::string text;
   for (int axis = 0; axis < 3; ++axis) {
     text +=
@@ -83,7 +83,7 @@ std::string to_text(const Calibration& calibration) {
     text += fmt::format("{}IMU delay {:.2f} +- {:.2f} ms", text.empty() ? "" : ", ", 1e3 * delay->value,
                         1e3 * delay->sigma);
   }
-  const auto add = [&](const char* name, const std::optional<Known<Vec3>>& value, double unit, const char* of) {
+  const auto add = [&](const char* name, const std::optional<Estimate<Vec3>>& value, double unit, const char* of) {
     if (value) text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", name, triple(*value, unit), of);
   };
   add("LiDAR turned by", calibration.extrinsic_turn, 1 / kRadPerDeg, "deg");

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostSeconds = 1e9;  // some 30 years; in nanoseconds it still fits
+constexpr double kMaxSeconds = 1e9;  // some 30 years; in nanoseconds it still fits
 
 /// The file that stands for `path`.
 fs::path dataset_file(const fs::path& path) {
@@ -45,8 +45,8 @@ void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
   b.text("input", dataset.input, "ROS1 bag, or KITTI raw drive folder; required");
   b.text("sensor", dataset.sensor, "sensor file that fits the input; required");
   b.text("reference", dataset.reference, "reference trajectory (TUM, T_W_I); empty: none");
-  b.real("start", dataset.start, "s", {.min = 0.0, .max = kMostSeconds}, "data to skip");
-  b.optional_real("duration", dataset.duration, "s", {.above = 0.0, .max = kMostSeconds}, "to the end", "data to use");
+  b.real("start", dataset.start, "s", {.min = 0.0, .max = kMaxSeconds}, "data to skip");
+  b.optional_real("duration", dataset.duration, "s", {.above = 0.0, .max = kMaxSeconds}, "to the end", "data to use");
   b.flag("closed_loop", dataset.closed_loop,
          "whether the motion ends in the pose in which it begins; of others end_to_end_m is left out: the distance "
          "between their ends is no error");

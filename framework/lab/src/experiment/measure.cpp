@@ -20,8 +20,8 @@ evaluation::Options measuring_options(const Trajectory& reference, evaluation::R
   for (std::size_t i = 1; i < samples.size(); ++i) steps.push_back(samples[i].t - samples[i - 1].t);
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  constexpr double kMostGap = 1e9;  // [s] in nanoseconds it still fits
-  options.max_reference_gap = std::clamp(2.5 * to_seconds(*middle), options.max_reference_gap, kMostGap);
+  constexpr double kMaxGap = 1e9;  // [s] in nanoseconds it still fits
+  options.max_reference_gap = std::clamp(2.5 * to_seconds(*middle), options.max_reference_gap, kMaxGap);
   return options;
 }
 
@@ -152,7 +152,7 @@ std::optional<std::pair<TimeNs, std::string>> DivergenceWatch::look(std::span<co
   for (; seen_ < poses.size() && !failed_; ++seen_) {
     if (off_limits(poses[seen_])) failed_ = poses[seen_].t;
   }
-  if (!failed_ || now <= *failed_ + kMostSilence || now < next_) return std::nullopt;
+  if (!failed_ || now <= *failed_ + kMaxSilence || now < next_) return std::nullopt;
   next_ = now + kSecond;
   return find_divergence(poses, reference_);
 }

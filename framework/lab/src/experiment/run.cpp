@@ -126,12 +126,12 @@ std::string what_followed(const std::vector<pipeline::Divergence>& losses) {
 }
 
 /// Pumps the source into the odometry until one of them, or the monitor, ends it.
-class Loop {
+class Runner {
  public:
   /// `watched`: the reference by which a run ends that has diverged from it, or nullptr. `keeps_poses`: of the whole
   /// run.
-  Loop(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor,
-       const Trajectory* watched, bool keeps_poses)
+  Runner(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor,
+         const Trajectory* watched, bool keeps_poses)
       : source_(source),
         odometry_(odometry),
         outputs_(outputs),
@@ -220,12 +220,12 @@ class Loop {
 };
 
 /// Whether the data, not the method, is to blame.
-bool blames_data(const Summary& summary, const Loop& loop) {
+bool blames_data(const Summary& summary, const Runner& runner) {
   switch (summary.status) {
     case pipeline::RunStatus::truncated:
       return true;
     case pipeline::RunStatus::failed:
-      return loop.bad_data() || (summary.updates == 0 && !loop.stage_failed());
+      return runner.bad_data() || (summary.updates == 0 && !runner.stage_failed());
     default:
       return false;
   }
@@ -338,30 +338,30 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   const auto start = Clock::now();
   const double cpu_start = process_cpu_seconds();
   const Trajectory* watched = options.stop_when_diverged && prepared.reference ? &*prepared.reference : nullptr;
-  Loop loop(*source, odometry, *outputs, monitor, watched, prepared.reference.has_value());
-  RunOutcome outcome = loop.run();
+  Runner runner(*source, odometry, *outputs, monitor, watched, prepared.reference.has_value());
+  RunOutcome outcome = runner.run();
   const bool whole = !outcome.interrupted && !outcome.failure && !outcome.divergence;
-  loop.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time(),
-                        to_ns(prepared.pipeline.value.limits.max_gap));
+  runner.collector().fill(summary, odometry.stream(), whole ? std::nullopt : source->end_time(),
+                          to_ns(prepared.pipeline.value.limits.max_gap));
   if (!options.closed_loop) summary.end_to_end_m.reset();
   gather(summary, odometry, *source);
   gather_noise(summary, odometry.range_noise(), sensor);
-  loop.close_outputs(outcome);
+  runner.close_outputs(outcome);
   outputs.reset();  // what could not be written makes room for what says so
   summary.cpu_s = process_cpu_seconds() - cpu_start;
   summary.wall_s = seconds_since(start);
   summary.peak_rss_mb = peak_rss_mb();
   if (prepared.reference) {
-    measure(summary, loop.collector().poses(), *prepared.reference);
-    const auto found = find_divergence(loop.collector().poses(), *prepared.reference);
+    measure(summary, runner.collector().poses(), *prepared.reference);
+    const auto found = find_divergence(runner.collector().poses(), *prepared.reference);
     if (found && (!outcome.divergence || found->first < outcome.divergence->first)) outcome.divergence = found;
   }
   judge(summary, outcome);
   if (prepared.reference) {
     const auto data_end = whole ? last_arrived(odometry.stream()) : source->end_time();
-    mark_failure(summary, loop.collector(), *prepared.reference, data_end, loop.was_ended());
+    mark_failure(summary, runner.collector(), *prepared.reference, data_end, runner.was_ended());
   }
-  result.bad_data = blames_data(summary, loop);
+  result.bad_data = blames_data(summary, runner);
   result.late_warnings = late_warnings(*source, told);
   for (const std::string& warning : odometry.stream().warnings()) result.late_warnings.push_back(warning);
 

@@ -147,7 +147,7 @@ void RunOutputs::write(const pipeline::UpdateRecord& record) {
     map_ = io::open_map_writer(map_path(*map_path_, ++maps_));
   }
   if (map_ && record.update->insert) {
-    for (const WorldPoint& p : record.update->points(Tap::map)) map_->add(p.p_W.cast<float>(), p.intensity);
+    for (const WorldPoint& p : record.update->points(PointUse::map)) map_->add(p.p_W.cast<float>(), p.intensity);
   }
 }
 

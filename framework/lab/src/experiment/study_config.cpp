@@ -13,7 +13,7 @@ namespace aslio::experiment {
 
 namespace {
 
-constexpr std::size_t kMostSeeds = 10'000;
+constexpr std::size_t kMaxSeeds = 10'000;
 
 std::optional<std::uint64_t> whole_number(std::string_view text) {
   std::uint64_t value = 0;
@@ -28,13 +28,13 @@ bool append_range(std::string_view text, std::vector<std::uint64_t>& seeds) {
   const std::size_t dash = text.find('-');
   const auto first = whole_number(text.substr(0, dash));
   const auto last = dash == std::string_view::npos ? first : whole_number(text.substr(dash + 1));
-  if (!first || !last || *last < *first || *last - *first >= kMostSeeds) return false;
+  if (!first || !last || *last < *first || *last - *first >= kMaxSeeds) return false;
   for (std::uint64_t seed = *first;; ++seed) {
     if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end()) return false;
     seeds.push_back(seed);
     if (seed == *last) break;
   }
-  return seeds.size() <= kMostSeeds;
+  return seeds.size() <= kMaxSeeds;
 }
 
 template <class T>
@@ -76,7 +76,7 @@ void StudyDataConfig::describe(config::Binder& b, StudyDataConfig& data) {
   b.require(data.scene.empty() != data.dataset.empty(), "scene",
             "and dataset exclude each other, and one is required: name a scene file or a dataset file");
   b.require(parse_seeds(data.seeds).has_value(), "seeds",
-            fmt::format("must be whole numbers and ranges, each once and at most {}, as in 1-10 or 1-3,7", kMostSeeds));
+            fmt::format("must be whole numbers and ranges, each once and at most {}, as in 1-10 or 1-3,7", kMaxSeeds));
   b.require(data.dataset.empty() || data.set.empty(), "set", "changes a scene; a dataset file has its own keys");
 }
 
@@ -136,7 +136,7 @@ void StudyExpectationConfig::describe(config::Binder& b, StudyExpectationConfig&
 }
 
 void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
-  constexpr double kMostSeed = 9007199254740991.0;  // whole numbers beyond it are not exact
+  constexpr double kMaxSeed = 9007199254740991.0;  // whole numbers beyond it are not exact
   b.text("question", study.question, "what the study asks; required");
   b.text("prediction", study.prediction, "what is expected, and why; required");
   b.text("rule", study.rule, "what outcome decides it, and how; required");
@@ -144,7 +144,7 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.groups("datasets", study.datasets, "the data, one table row per entry; required");
   b.groups("methods", study.methods, "the pipelines, one table column each; required");
   b.groups("vary", study.vary, "axes: every method is run at every combination of their points");
-  b.reals("order_seeds", study.order_seeds, 0, "", {.min = 0.0, .max = kMostSeed},
+  b.reals("order_seeds", study.order_seeds, 0, "", {.min = 0.0, .max = kMaxSeed},
           "seeds of `aslio run`: replicates over the same data");
   b.text("baseline", study.baseline, "method to compare the others with, where they name no other; empty: none");
   b.texts("differs", study.differs, {}, "keys or blocks in which every method may differ from the baseline");

@@ -137,7 +137,7 @@ Json numbers(const T& values, const T& sigma) {
 }
 
 template <class T>
-void add_known(Json& out, const char* key, const char* sigma, const std::optional<Known<T>>& known) {
+void add_known(Json& out, const char* key, const char* sigma, const std::optional<Estimate<T>>& known) {
   out[key] = known ? numbers(known->value, known->sigma) : Json(nullptr);
   out[sigma] = known ? numbers(known->sigma, known->sigma) : Json(nullptr);
 }

@@ -11,7 +11,7 @@ void StepCounts::add(TimeNs step) {
   shortest_ = std::min(shortest_, step);
   longest_ = std::max(longest_, step);
   ++counts_[(step + resolution_ / 2) / resolution_ * resolution_];
-  while (counts_.size() > kMostLengths) coarsen();
+  while (counts_.size() > kMaxLengths) coarsen();
 }
 
 void StepCounts::coarsen() {
@@ -63,7 +63,7 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
   bias_steps_ += record.bias_step;
   if (record.update->accepted) {
     ++accepted_;
-    if (last_accepted_ && plan.end - *last_accepted_ > kMostSilence && !silent_from_) silent_from_ = last_accepted_;
+    if (last_accepted_ && plan.end - *last_accepted_ > kMaxSilence && !silent_from_) silent_from_ = last_accepted_;
     last_accepted_ = plan.end;
     // One that was lost by this update, too fast perhaps, is not believed.
     auto learnt = calibration_of(*record.update);
@@ -71,7 +71,7 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
   }
   // A window that starts the map does so by the points that enter it, be it when they leave the window (`on_exit`).
   const bool starts_map = initialising && (record.inserted.inserted > 0 ||
-                                           (record.update->insert && !record.update->points(Tap::map).empty()));
+                                           (record.update->insert && !record.update->points(PointUse::map).empty()));
   if (record.update->accepted || starts_map) {
     covered_ += plan.end - plan.fresh_begin;
   } else if (record.without_view) {
@@ -86,7 +86,7 @@ std::optional<TimeNs> SummaryCollector::lost_at(TimeNs end) const {
   std::optional<TimeNs> silent = silent_from_;
   if (!last_accepted_) {
     silent = first_end_;
-  } else if (!silent && end - *last_accepted_ > kMostSilence) {
+  } else if (!silent && end - *last_accepted_ > kMaxSilence) {
     silent = last_accepted_;
   }
   if (silent && not_finite_) return std::min(*silent, *not_finite_);

@@ -40,7 +40,7 @@ Interval percentiles(std::vector<double>& medians, double level) {
 }  // namespace
 
 std::optional<Interval> bootstrap_median(std::span<const double> values, const BootstrapOptions& options) {
-  if (values.size() < kLeastForInterval) return std::nullopt;
+  if (values.size() < kMinForInterval) return std::nullopt;
   Draw draw(options.seed);
   std::vector<double> medians, sample(values.size());
   for (int k = 0; k < options.resamples; ++k) {
@@ -58,7 +58,7 @@ std::optional<Interval> bootstrap_median_clustered(std::span<const std::vector<d
     if (!cluster.empty()) filled.push_back(&cluster);
     count += cluster.size();
   }
-  if (count < kLeastForInterval) return std::nullopt;
+  if (count < kMinForInterval) return std::nullopt;
   if (filled.size() == 1) return bootstrap_median(*filled.front(), options);
   Draw draw(options.seed);
   std::vector<double> medians, sample;

@@ -73,9 +73,9 @@ SignedRank signed_rank(std::span<const double> differences) {
   }
   const double all = out.rank_sum_positive + out.rank_sum_negative;
   if (all > 0) out.effect = (out.rank_sum_positive - out.rank_sum_negative) / all;
-  if (differences.size() < kLeastPairs) return out;
+  if (differences.size() < kMinPairs) return out;
   const std::size_t n = counted.size();
-  out.exact = n <= kMostExact;
+  out.exact = n <= kMaxExact;
   if (n == 0) {
     out.p = 1;
   } else if (out.exact) {

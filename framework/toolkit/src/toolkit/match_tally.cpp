@@ -69,7 +69,7 @@ void MatchTally::count(std::span<const std::span<Surface>> sets, double times) {
   counts_.back() = 1;
   std::size_t at = 0;
   for (const std::span<Surface> surfaces : sets) {
-    for (Surface& surface : surfaces) surface.sharers = times * counts_[slots_[at++]];
+    for (Surface& surface : surfaces) surface.shared_matches = times * counts_[slots_[at++]];
   }
 }
 

@@ -22,7 +22,7 @@ double windows_per(double time, const WindowPlan& plan) {
 
 double windows_per_view(const WindowPlan& plan) { return windows_per(0.1, plan); }
 
-bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan) {
+bool unobservable_direction(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan) {
   return sigma * sigma * spectrum[0] * windows_per_view(plan) < 1.0;
 }
 
@@ -40,7 +40,7 @@ void PointMatches::reserve(std::size_t points, const Residual& residual) {
   range.reserve(points);
   weight.reserve(points);
   surfaces.reserve(points);
-  if (residual.counts_sharers()) tally.reserve(points);
+  if (residual.counts_shared_matches()) tally.reserve(points);
   rows.reserve(points * static_cast<std::size_t>(residual.rows_per_match()));
   neighbours.count.reserve(points);
   neighbours.offsets.reserve(points * k);
@@ -55,7 +55,7 @@ void PointMatches::place(const Pose& T) {
 void PointMatches::associate(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,
                              std::uint8_t feature, double times) {
   match(map, residual, viewpoint, max_stamp, feature);
-  if (residual.counts_sharers() && residual.surfaces_from_map()) tally.count(surfaces, times);
+  if (residual.counts_shared_matches() && residual.surfaces_from_map()) tally.count(surfaces, times);
 }
 
 void PointMatches::match(const Map& map, Residual& residual, const Vec3& viewpoint, std::uint32_t max_stamp,

@@ -10,19 +10,19 @@ namespace aslio {
 
 void judge_view(Update& update, const Mat6& information, double degenerate_sigma, const WindowPlan& plan) {
   set_spectrum(update, information);
-  update.left_open = leaves_open(update.spectrum, degenerate_sigma, plan);
-  if (update.status == UpdateStatus::ok && update.left_open) update.status = UpdateStatus::degenerate;
+  update.unobservable = unobservable_direction(update.spectrum, degenerate_sigma, plan);
+  if (update.status == UpdateStatus::ok && update.unobservable) update.status = UpdateStatus::degenerate;
 }
 
-void hand_over(Update& update, const Frame& frame, std::span<const MatchRecord> records, const NavState& state,
+void hand_over(Update& update, const DeskewedScan& frame, std::span<const MatchRecord> records, const NavState& state,
                std::span<const NavState> states, const TrajectoryModel& trajectory) {
   update.state = state;
   update.states = states;
   update.trajectory = &trajectory;
   update.matches = records;
-  update.overlap_points = frame.world(Tap::overlap);
-  update.map_points = frame.world(Tap::map);
-  update.match_points = frame.world(Tap::match);
+  update.overlap_points = frame.world(PointUse::overlap);
+  update.map_points = frame.world(PointUse::map);
+  update.match_points = frame.world(PointUse::match);
 }
 
 Registration::Registration(const Rules& rules, std::unique_ptr<Residual> residual, const BuildContext& context)

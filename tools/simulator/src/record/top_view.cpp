@@ -16,7 +16,7 @@ namespace aslio::simulator {
 namespace {
 
 constexpr double kReach = 100;                    // beyond the path [m]
-constexpr int kMostPixels = 1600;                 // in width and height
+constexpr int kMaxPixels = 1600;                  // in width and height
 constexpr double kFloor = 0.25, kOverhead = 2.2;  // what stands is seen between these heights [m]
 constexpr double kFinest = 0.02;                  // [m/pixel]
 constexpr double kShownWidth = 1200, kMargin = 16, kHeader = 34, kFooter = 46;  // of the picture [px]
@@ -54,7 +54,7 @@ TopView::TopView(const Trajectory& path, const Mesh& mesh, const Ground& ground)
   const Bounds bounds = shown_bounds(path, mesh);
   low_ = bounds.low.array() - 1;
   const Vec2 size = bounds.high.array() + 1 - low_.array();
-  resolution_ = std::max(kFinest, size.maxCoeff() / kMostPixels);
+  resolution_ = std::max(kFinest, size.maxCoeff() / kMaxPixels);
   width_ = std::max(1, static_cast<int>(std::ceil(size.x() / resolution_)));
   height_ = std::max(1, static_cast<int>(std::ceil(size.y() / resolution_)));
   const auto pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);

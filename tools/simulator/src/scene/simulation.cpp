@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTruthRate = 200;  ///< [Hz]
 /// About 0.5 GB: samples, biases and poses are kept.
-constexpr double kMostSamples = 4e6;
+constexpr double kMaxSamples = 4e6;
 
 std::filesystem::path beside(const SceneFile& scene, const std::string& file) {
   return std::filesystem::path(file).is_absolute() ? std::filesystem::path(file) : scene.path.parent_path() / file;
@@ -153,11 +153,11 @@ void Simulation::build(const SceneFile& file) {
   sensor_ = true_sensor(kind_, scene_.lidar, model);
   claimed_sensor_ = with_errors(sensor_, scene_.stress, options_.seed);
   const double samples = motion_->duration() * std::max(model.rate, kTruthRate);
-  if (samples > kMostSamples)
+  if (samples > kMaxSamples)
     throw ConfigError(
         fmt::format("the motion lasts {:.0f} s: {:.3g} samples at {:g} Hz, at most {:g} fit into memory; "
                     "give fewer walk.laps, a shorter route or a lower imu.rate",
-                    motion_->duration(), samples, std::max(model.rate, kTruthRate), kMostSamples));
+                    motion_->duration(), samples, std::max(model.rate, kTruthRate), kMaxSamples));
   imu_ = simulate_imu(*motion_, options_.begin, motion_->duration(), model, options_.seed);
 }
 

@@ -40,7 +40,7 @@ double MyStage::weight(std::size_t fresh_residuals, std::size_t history_residual
 }
 
 void MyStage::commit(const Window& window, const Update& update) {
-  const std::span<const WorldPoint> points = update.points(Tap::match);
+  const std::span<const WorldPoint> points = update.points(PointUse::match);
   const std::size_t fresh = std::min(points.size(), max_points_);
   for (std::size_t i = points.size() - fresh; i < points.size(); ++i) {
     const bool matched = i < update.matches.size() && update.matches[i].accepted;

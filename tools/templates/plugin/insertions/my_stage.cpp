@@ -16,7 +16,7 @@ MyStage::MyStage(const Params& params, const BuildContext& context) : max_correc
 }
 
 InsertCount MyStage::apply(const Window& window, const Update& update, Map& map) {
-  const auto points = update.points(Tap::map);
+  const auto points = update.points(PointUse::map);
   const double correction = (update.state.p - update.prior.p).norm();
   if (correction > max_correction_) return {.offered = points.size(), .inserted = 0};
   return map.insert(points, window.sequence);

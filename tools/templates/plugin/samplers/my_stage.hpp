@@ -17,7 +17,7 @@ class MyStage final : public aslio::Sampler {
   /// Defaults stand here and nowhere else.
   struct Params {
     std::int64_t keep_every = 2;
-    std::vector<std::string> taps = {"overlap", "map", "match"};
+    std::vector<std::string> uses = {"overlap", "map", "match"};
   };
   /// Names, units, ranges and meanings: what `aslio describe` tells and what a configuration is checked against.
   static void describe(aslio::config::Binder& b, Params& p);
@@ -30,7 +30,7 @@ class MyStage final : public aslio::Sampler {
 
  private:
   unsigned keep_every_;
-  aslio::TapMask taps_ = 0;  ///< consumers whose points are thinned
+  aslio::PointUses uses_ = 0;  ///< consumers whose points are thinned
 };
 
 }  // namespace my_plugin

@@ -20,9 +20,9 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
 /// One item of each of `taken` equal runs of `n` items: run k is [k n / taken, (k + 1) n / taken). Which of the run
 /// varies with `seed`: a fixed stride would fall into step with scan lines, which interleave (a stride of 6 on a
 /// six-line sensor sees one line). Pre: taken <= n.
-class OneOfEachRun {
+class StratifiedPick {
  public:
-  constexpr OneOfEachRun(std::size_t taken, std::size_t n, std::uint64_t seed)
+  constexpr StratifiedPick(std::size_t taken, std::size_t n, std::uint64_t seed)
       : taken_(taken), length_(taken == 0 ? 0 : n / taken), step_(taken == 0 ? 0 : n % taken), seed_(seed) {}
   /// Index of the item that stands for the next run. At most `taken` calls.
   constexpr std::size_t next() {

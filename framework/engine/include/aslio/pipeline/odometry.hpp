@@ -70,8 +70,8 @@ class Odometry {
   const RangeNoise& range_noise() const;
 
  private:
-  class Loop;
-  std::unique_ptr<Loop> loop_;
+  class Pipeline;
+  std::unique_ptr<Pipeline> pipeline_;
 };
 
 }  // namespace aslio::pipeline

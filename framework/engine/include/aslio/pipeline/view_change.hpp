@@ -19,20 +19,20 @@ class ViewChange {
 
   /// Takes the raw points of a window that ends at `t`, with the attitude that `poses` gives them. The change, once a
   /// slot is full (a sweep, at least 0.1 s): mean over the directions seen in both slots of |ln(range / range before)|,
-  /// each at most kMost. Nothing before, after a time without points, or where fewer than kLeast directions are seen in
+  /// each at most kMax. Nothing before, after a time without points, or where fewer than kMin directions are seen in
   /// both.
   std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
   /// What was seen is no longer before what comes.
   void forget();
 
  private:
-  static constexpr int kSide = 32;                  ///< cells of the octahedral map per axis: 6 deg
-  static constexpr std::size_t kMostPoints = 2000;  ///< of a window
+  static constexpr int kSide = 32;                 ///< cells of the octahedral map per axis: 6 deg
+  static constexpr std::size_t kMaxPoints = 2000;  ///< of a window
   static constexpr TimeNs kShortestSlot = kSecond / 10;
   static constexpr TimeNs kSlack = kSecond / 200;  ///< that a window may be shorter than a slot
   static constexpr TimeNs kPose = kSecond / 200;   ///< points of so long share an attitude
-  static constexpr double kMost = 0.5;
-  static constexpr int kLeast = 20;
+  static constexpr double kMax = 0.5;
+  static constexpr int kMin = 20;
   struct Cell {
     float sum = 0;  ///< of ln(range)
     std::uint32_t n = 0;

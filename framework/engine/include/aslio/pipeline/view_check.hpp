@@ -19,18 +19,18 @@ class ViewCheck {
 
   /// Takes the raw points of a window that ends at `t`, placed by `poses`. Once a slot is full: share of the surfaces
   /// of the slot before that are nearer or farther now than the motion explains. Nothing before, after a time without
-  /// points, where fewer than kLeast directions are seen in both, or fewer than 0.45 of those of a slot of the last
+  /// points, where fewer than kMin directions are seen in both, or fewer than 0.45 of those of a slot of the last
   /// second.
   std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
   /// What was seen is no longer before what comes.
   void forget();
 
  private:
-  static constexpr int kSide = 64;                  ///< cells of the octahedral map per axis: 3 deg
-  static constexpr std::size_t kMostPoints = 6000;  ///< of a slot
-  static constexpr TimeNs kPose = kSecond / 200;    ///< points of so long share a pose
-  static constexpr TimeNs kSlack = kSecond / 200;   ///< that a window may be shorter than a slot
-  static constexpr int kLeast = 20;
+  static constexpr int kSide = 64;                 ///< cells of the octahedral map per axis: 3 deg
+  static constexpr std::size_t kMaxPoints = 6000;  ///< of a slot
+  static constexpr TimeNs kPose = kSecond / 200;   ///< points of so long share a pose
+  static constexpr TimeNs kSlack = kSecond / 200;  ///< that a window may be shorter than a slot
+  static constexpr int kMin = 20;
   /// A direction from the origin of its slot.
   struct Cell {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();  ///< of points from the origin [m]

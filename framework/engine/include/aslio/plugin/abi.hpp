@@ -23,7 +23,7 @@ namespace aslio::plugin {
 
 inline constexpr std::uint64_t kPluginMagic = 0x4e494755'4c50'4c41;  // "ALPLUGIN", little endian
 /// Counts changes of the stage interfaces and of anything else that the stamp does not see.
-inline constexpr std::uint32_t kPluginAbiVersion = 12;
+inline constexpr std::uint32_t kPluginAbiVersion = 13;
 inline constexpr std::string_view kFrameworkVersion = "0.2.0";
 inline constexpr const char* kPluginSymbol = "aslio_plugin";
 

@@ -48,7 +48,7 @@ class TrajectoryModel {
   virtual void jacobian(TimeNs t, Eigen::MatrixXd& out) const = 0;
 };
 
-/// A match of a fresh point in the last association: position in Update::points(Tap::match), and its neighbours.
+/// A match of a fresh point in the last association: position in Update::points(PointUse::match), and its neighbours.
 struct MatchRecord {
   bool accepted = false;  ///< the map had a surface there, and no gate left the match out
   float residual = 0;     ///< of a match, signed z at the posterior [m]; of several rows, the length of their vector
@@ -85,10 +85,10 @@ struct Update {
   /// The points may enter map, overlap and history. False after a refused step, unless the dead reckoning that placed
   /// them is still good: in space never seen before there is nothing to match.
   bool insert = true;
-  bool left_open = false;    ///< the points left a direction unknown (`degenerate`, or hidden by `not_converged`)
-  bool restart_map = false;  ///< the map is to begin anew with these points: what it holds was placed too badly
-  NavState prior;            ///< at the end of the window, propagated
-  NavState state;            ///< posterior (equals the prior when not accepted)
+  bool unobservable = false;  ///< the points left a direction unknown (`degenerate`, or hidden by `not_converged`)
+  bool restart_map = false;   ///< the map is to begin anew with these points: what it holds was placed too badly
+  NavState prior;             ///< at the end of the window, propagated
+  NavState state;             ///< posterior (equals the prior when not accepted)
   StateMatrix P = StateMatrix::Zero();
   std::array<double, 6> spectrum{};  ///< eigenvalues of the pose information (theta, p) of the fresh points, ascending
   Vec6 weakest = Vec6::Zero();  ///< direction of the least of them: theta (I, at 5 m of lever arm), p (W); 0: not known
@@ -106,9 +106,9 @@ struct Update {
   StageTimes times;
 
   /// One that says so by its status alone means it, too.
-  bool leaves_open() const { return left_open || status == UpdateStatus::degenerate; }
-  std::span<const WorldPoint> points(Tap tap) const {
-    return tap == Tap::overlap ? overlap_points : tap == Tap::map ? map_points : match_points;
+  bool unobservable_direction() const { return unobservable || status == UpdateStatus::degenerate; }
+  std::span<const WorldPoint> points(PointUse use) const {
+    return use == PointUse::overlap ? overlap_points : use == PointUse::map ? map_points : match_points;
   }
   std::span<const WorldPoint> overlap_points, map_points, match_points;
   std::span<const MatchRecord> matches;    ///< one per match_points

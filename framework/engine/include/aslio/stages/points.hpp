@@ -9,10 +9,10 @@
 namespace aslio {
 
 /// Consumers of points; a sampler names those it thins. Bit mask.
-enum class Tap : std::uint8_t { overlap = 1, map = 2, match = 4 };
-using TapMask = std::uint8_t;
-inline constexpr TapMask kAllTaps = 7;
-constexpr TapMask mask(Tap tap) { return static_cast<TapMask>(tap); }
+enum class PointUse : std::uint8_t { overlap = 1, map = 2, match = 4 };
+using PointUses = std::uint8_t;
+inline constexpr PointUses kAllUses = 7;
+constexpr PointUses mask(PointUse use) { return static_cast<PointUses>(use); }
 
 /// Classes of points: TimedPoint, WorldPoint and MapQuery::feature.
 namespace feature_class {

@@ -35,9 +35,9 @@ class Residual : public Stage {
   /// Whether the surfaces are those the map keeps (Map::surfaces()) rather than fitted to neighbours: then fit() is not
   /// called.
   virtual bool surfaces_from_map() const { return false; }
-  /// Whether the noise of a row depends on Surface::sharers, which an estimator may count once per association; left as
-  /// they are, every match stands alone.
-  virtual bool counts_sharers() const { return false; }
+  /// Whether the noise of a row depends on Surface::shared_matches, which an estimator may count once per association;
+  /// left as they are, every match stands alone.
+  virtual bool counts_shared_matches() const { return false; }
   /// Lengths that are about the noise of points (width of a kernel) count so many times what the parameters say; > 0.
   /// The sigma of evaluate() is for the caller to scale.
   virtual void set_noise_scale(double scale) { (void)scale; }

@@ -1,5 +1,5 @@
 #pragma once
-/// Samplers: which points take part? A chain; each member thins the points of the taps it names.
+/// Samplers: which points take part? A chain; each member thins the points of the uses it names.
 
 #include <algorithm>
 #include <span>
@@ -12,14 +12,14 @@
 
 namespace aslio {
 
-/// Points of one update as the chain sees them. `taps[i]` says who still wants point i; a sampler clears bits, never
+/// Points of one update as the chain sees them. `uses[i]` says who still wants point i; a sampler clears bits, never
 /// sets them. `body` is empty before de-skew; afterwards body[i] is p_I at the end of the window, and only points with
-/// a bit left are there: `raw` and `taps` are compacted with it. A body sampler may move a point that it keeps, to the
+/// a bit left are there: `raw` and `uses` are compacted with it. A body sampler may move a point that it keeps, to the
 /// mean of those that it stands for; estimators that take points as measured do not see that.
 struct SampleBatch {
   std::span<const TimedPoint> raw;
   std::span<Eigen::Vector3f> body;
-  std::span<TapMask> taps;
+  std::span<PointUses> uses;
   /// feature_class of every point, which a body sampler may set. Empty before de-skew, and where nobody keeps them.
   std::span<std::uint8_t> features = {};
 };

@@ -15,7 +15,7 @@ struct Surface {
   const void* owner = nullptr;
   /// Matches that share that error, this one included, as far as an estimator counted them; those of all windows that
   /// see the surface for a while, if it knows of them, so that this need not be a whole number.
-  double sharers = 1.0;
+  double shared_matches = 1.0;
 };
 
 }  // namespace aslio

@@ -34,7 +34,7 @@ struct Feedback {
   NavState state;
   std::array<double, 6> spectrum{};  ///< eigenvalues of the pose information, ascending
   std::uint32_t matches = 0;
-  bool left_open = false;  ///< Update::leaves_open()
+  bool unobservable = false;  ///< Update::unobservable_direction()
 };
 
 /// Read access to the time-ordered stream, as far as it has arrived.

@@ -42,7 +42,7 @@ class ImuSpikes {
   void forget();
 
  private:
-  static constexpr std::size_t kMostInARow = 3, kRecent = 32;
+  static constexpr std::size_t kMaxInARow = 3, kRecent = 32;
   static constexpr TimeNs kLongest = 50'000'000;  ///< from the sample before to the last of several
 
   void accept(const ImuSample& sample, std::vector<ImuSample>& out);

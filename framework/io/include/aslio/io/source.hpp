@@ -22,7 +22,7 @@ enum class GyroUnit : std::uint8_t { automatic, rad_s, deg_s };
 
 /// A sensor file (`schema: aslio/sensor/1`). Directions stand in the key names: T_imu_lidar maps p_L to p_I.
 struct SensorConfig {
-  static constexpr double kMostSensitivity = 0.2, kMostDelay = 1.0;  ///< larger entries, and delays [s], are mistakes
+  static constexpr double kMaxSensitivity = 0.2, kMaxDelay = 1.0;  ///< larger entries, and delays [s], are mistakes
   std::string lidar_topic, imu_topic;
   AccUnit acc_unit = AccUnit::automatic;
   GyroUnit gyro_unit = GyroUnit::automatic;

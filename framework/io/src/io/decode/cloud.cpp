@@ -18,8 +18,8 @@ constexpr std::array<std::string_view, 9> kNames{"",      "int8",   "uint8",   "
                                                  "int32", "uint32", "float32", "float64"};
 constexpr std::array<std::string_view, 6> kTimeNames{"t",         "time",       "time_stamp",
                                                      "timestamp", "timestamps", "offset_time"};
-constexpr std::uint32_t kMostFields = 256;
-constexpr std::uint64_t kMostPoints = 1U << 26U;
+constexpr std::uint32_t kMaxFields = 256;
+constexpr std::uint64_t kMaxPoints = 1U << 26U;
 
 template <class T>
 double as_double(const std::uint8_t* from) {
@@ -99,7 +99,7 @@ void place(std::string_view name, const CloudField& field, CloudTable& table) {
 }
 
 std::string parse_fields(Wire& wire, std::uint32_t count, CloudTable& table, std::uint64_t& extent) {
-  if (count > kMostFields) return fmt::format("it claims {} fields (at most {})", count, kMostFields);
+  if (count > kMaxFields) return fmt::format("it claims {} fields (at most {})", count, kMaxFields);
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name(wire.text());
     std::replace_if(
@@ -204,7 +204,7 @@ std::string parse_cloud(Bytes message, CloudView& view, bool& systematic) {
   }
   // All factors are below 2^32: the products fit 64 bits.
   const std::uint64_t points = std::uint64_t{view.width} * view.height;
-  if (points > kMostPoints) return fmt::format("it claims {} x {} points", view.width, view.height);
+  if (points > kMaxPoints) return fmt::format("it claims {} x {} points", view.width, view.height);
   if (points == 0) return {};
   if (std::uint64_t{view.width} * view.point_step > view.row_step && view.height > 1) {
     return fmt::format("a row of {} points of {} bytes does not fit a row step of {}", view.width, view.point_step,

@@ -16,8 +16,8 @@ struct RunCalibration {
   std::string sensor_resolved;  ///< sensor file of the run, every key at its value
   std::string input_sha256;     ///< of its recording; empty where the manifest has none
   /// S of (I + S) w; sigma 0 of an entry: the run has held it fixed.
-  Known<Mat3> gyro_sensitivity{Mat3::Zero(), Mat3::Zero()};
-  Known<double> imu_delay{0, 0};  ///< [s]; sigma 0 likewise
+  Estimate<Mat3> gyro_sensitivity{Mat3::Zero(), Mat3::Zero()};
+  Estimate<double> imu_delay{0, 0};  ///< [s]; sigma 0 likewise
 };
 
 /// S for which taking out `known` and then `learnt` is the same as taking out S: w = (I - learnt) (I + known)^-1 w_m.
@@ -35,8 +35,8 @@ inline constexpr double kClaimedTooWell = 4;
 /// the values may be taken to be good to: the claim of the mean times kClaimedTooWell or, where the runs differ by
 /// more, times Birge's ratio.
 struct SensorCalibration {
-  Known<Mat3> gyro_sensitivity;
-  Known<double> imu_delay;
+  Estimate<Mat3> gyro_sensitivity;
+  Estimate<double> imu_delay;
   std::string sensor_file;  ///< that of the runs with these values, YAML
 };
 

@@ -11,7 +11,7 @@ namespace aslio::experiment {
 /// A value, and what the estimator claims to know it to (one standard deviation; 0: it is held fixed). The claim takes
 /// the map for exact and the IMU for one without other errors, so it is a lower bound.
 template <class T>
-struct Known {
+struct Estimate {
   T value, sigma;
 };
 
@@ -19,14 +19,14 @@ struct Known {
 /// or has no covariance for, is left out.
 struct Calibration {
   TimeNs t = 0;
-  std::optional<Known<Vec3>> gyro_bias;         ///< [rad/s]
-  std::optional<Known<Vec3>> acc_bias;          ///< [m/s^2]
-  std::optional<Known<Mat3>> gyro_sensitivity;  ///< NavState::S_w
-  std::optional<Known<double>> imu_delay;       ///< NavState::imu_delay [s]
-  std::optional<Known<Vec3>> extrinsic_turn;    ///< of T_imu_lidar against the sensor file's, in L [rad]
-  std::optional<Known<Vec3>> extrinsic_shift;   ///< the same, in I [m]
-  std::optional<Known<Vec3>> acc_scale;         ///< SensorEstimate::acc_scale
-  Pose T_imu_lidar;                             ///< as estimated, where extrinsic_turn is
+  std::optional<Estimate<Vec3>> gyro_bias;         ///< [rad/s]
+  std::optional<Estimate<Vec3>> acc_bias;          ///< [m/s^2]
+  std::optional<Estimate<Mat3>> gyro_sensitivity;  ///< NavState::S_w
+  std::optional<Estimate<double>> imu_delay;       ///< NavState::imu_delay [s]
+  std::optional<Estimate<Vec3>> extrinsic_turn;    ///< of T_imu_lidar against the sensor file's, in L [rad]
+  std::optional<Estimate<Vec3>> extrinsic_shift;   ///< the same, in I [m]
+  std::optional<Estimate<Vec3>> acc_scale;         ///< SensorEstimate::acc_scale
+  Pose T_imu_lidar;                                ///< as estimated, where extrinsic_turn is
 };
 
 /// Of an update that is accepted and finite and has not let go what it knew to begin anew; nothing where no part is

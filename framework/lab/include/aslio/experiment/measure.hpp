@@ -35,7 +35,7 @@ std::optional<std::pair<TimeNs, std::string>> find_divergence(std::span<const St
 /// Where a run is told to have failed as a whole, not midway: before this share of the way.
 inline constexpr double kEarlyShare = 0.1;
 /// Without an accepted update for longer than this, a run has failed [ns].
-inline constexpr TimeNs kMostSilence = kSecond;
+inline constexpr TimeNs kMaxSilence = kSecond;
 
 /// The share of the reference's path after which a run has failed, by the marks of a results table: its position is
 /// off by more than both limits above, with the estimate laid on the reference over its first second (so that a late
@@ -51,7 +51,7 @@ class DivergenceWatch {
  public:
   /// `reference` must outlive it.
   explicit DivergenceWatch(const Trajectory& reference);
-  /// `poses`: all so far. What find_divergence() says, once both have come and kMostSilence has passed: by then a
+  /// `poses`: all so far. What find_divergence() says, once both have come and kMaxSilence has passed: by then a
   /// silence that began before, and is what failed first, is known to be one.
   std::optional<std::pair<TimeNs, std::string>> look(std::span<const StampedPose> poses);
 

@@ -96,7 +96,7 @@ class StepCounts {
  private:
   void coarsen();
 
-  static constexpr std::size_t kMostLengths = 4096;
+  static constexpr std::size_t kMaxLengths = 4096;
   std::map<TimeNs, std::uint64_t> counts_;  ///< by the length, a multiple of resolution_
   TimeNs resolution_ = 1;
   TimeNs shortest_ = kTimeMax, longest_ = 0;
@@ -116,7 +116,7 @@ class SummaryCollector final : public pipeline::UpdateObserver {
             TimeNs max_gap) const;
 
   /// The first moment at which the run was lost by itself: its state was not finite, or no update was accepted for more
-  /// than kMostSilence. `end`: of what it should have covered.
+  /// than kMaxSilence. `end`: of what it should have covered.
   std::optional<TimeNs> lost_at(TimeNs end) const;
 
   /// T_W_I at the end of every update with a finite state, if it keeps them.

@@ -9,10 +9,10 @@
 namespace aslio::statistics {
 
 /// A p-value of fewer pairs could not fall below 0.05: there is none.
-inline constexpr std::size_t kLeastPairs = 6;
+inline constexpr std::size_t kMinPairs = 6;
 /// Up to so many differences that are not zero the distribution is enumerated over their ranks; beyond, the normal
 /// approximation.
-inline constexpr std::size_t kMostExact = 25;
+inline constexpr std::size_t kMaxExact = 25;
 
 struct SignedRank {
   std::size_t positive = 0, negative = 0, zero = 0;  ///< differences by sign
@@ -20,7 +20,7 @@ struct SignedRank {
   /// Matched-pairs rank-biserial correlation, (W+ - W-) / (W+ + W-), in [-1, 1]; positive: differences are positive.
   /// Nothing when all are zero. Kerby, Comprehensive Psychology 3 (2014).
   std::optional<double> effect;
-  /// Two-sided. Nothing below kLeastPairs pairs; 1 when all differences are zero.
+  /// Two-sided. Nothing below kMinPairs pairs; 1 when all differences are zero.
   std::optional<double> p;
   bool exact = false;
 };

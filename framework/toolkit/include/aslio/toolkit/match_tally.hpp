@@ -15,8 +15,8 @@ class MatchTally {
  public:
   /// Room for so many matches of which four and more share a surface in the mean; with fewer, count() may allocate.
   void reserve(std::size_t matches);
-  /// Surface::sharers of each becomes `times` the number of valid matches with the same owner, itself included, or
-  /// `times` without an owner.
+  /// Surface::shared_matches of each becomes `times` the number of valid matches with the same owner, itself included,
+  /// or `times` without an owner.
   void count(std::span<Surface> surfaces, double times = 1.0) {
     count(std::span<const std::span<Surface>>(&surfaces, 1), times);
   }

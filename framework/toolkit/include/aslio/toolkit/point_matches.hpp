@@ -24,7 +24,7 @@ double windows_per_view(const WindowPlan& plan);
 
 /// Whether the weakest direction is known worse than `sigma` [m] by all such windows of 0.1 s together. `plan`: of the
 /// window. eq. IESKF-7.
-bool leaves_open(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan);
+bool unobservable_direction(const std::array<double, 6>& spectrum, double sigma, const WindowPlan& plan);
 
 /// Covariance of a pose (rotation, position) of which `information` is known: no worse than 1e3 (rad, m) where nothing
 /// was seen of a direction.

@@ -8,7 +8,7 @@
 
 #include "aslio/exec/executor.hpp"
 #include "aslio/stages/build_context.hpp"
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 #include "aslio/toolkit/information_update.hpp"
 #include "aslio/toolkit/point_matches.hpp"
 
@@ -21,12 +21,12 @@ inline UpdateStatus status_of_last_step(bool is_settled) {
   return is_settled ? UpdateStatus::ok : UpdateStatus::not_converged;
 }
 
-/// Spectrum, weakest direction and `left_open` of an accepted update, by the information of its fresh points about the
-/// pose (theta, p); an `ok` one that leaves a direction open becomes `degenerate`. eq. IESKF-7.
+/// Spectrum, weakest direction and `unobservable` of an accepted update, by the information of its fresh points about
+/// the pose (theta, p); an `ok` one that leaves a direction open becomes `degenerate`. eq. IESKF-7.
 void judge_view(Update& update, const Mat6& information, double degenerate_sigma, const WindowPlan& plan);
 
-/// What every update ends with: spans into what the estimator owns, and the points of the frame for all taps.
-void hand_over(Update& update, const Frame& frame, std::span<const MatchRecord> records, const NavState& state,
+/// What every update ends with: spans into what the estimator owns, and the points of the frame for all uses.
+void hand_over(Update& update, const DeskewedScan& frame, std::span<const MatchRecord> records, const NavState& state,
                std::span<const NavState> states, const TrajectoryModel& trajectory);
 
 class Registration : public Estimator {
@@ -79,7 +79,7 @@ class Registration : public Estimator {
   StateMatrix P_ = StateMatrix::Zero();
   double sigma_ = 0;  ///< of this update
   WindowTrajectory trajectory_{WindowTrajectory::Spread::rigid};
-  Frame frame_;
+  DeskewedScan frame_;
   PointMatches fresh_, history_;
   std::vector<PoseInformation> partials_;
   std::vector<MatchRecord> records_;

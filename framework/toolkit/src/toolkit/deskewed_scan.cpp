@@ -1,4 +1,4 @@
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace aslio {
 
-void Frame::reserve(std::size_t points) {
+void DeskewedScan::reserve(std::size_t points) {
   if (points <= raw_.capacity()) return;
   points *= 2;  // windows vary with what is in view: one that is twice as full needs no memory
   raw_.reserve(points);
@@ -22,8 +22,8 @@ void Frame::reserve(std::size_t points) {
   for (auto& list : world_) list.reserve(points);
 }
 
-void Frame::load(std::span<const TimedPoint> fresh, const WindowTrajectory& trajectory, SamplerChain& samplers,
-                 StageTimes& times) {
+void DeskewedScan::load(std::span<const TimedPoint> fresh, const WindowTrajectory& trajectory, SamplerChain& samplers,
+                        StageTimes& times) {
   {
     const CpuTimer timer(times.sample);
     sample_raw(fresh, samplers);
@@ -36,25 +36,25 @@ void Frame::load(std::span<const TimedPoint> fresh, const WindowTrajectory& traj
   sample_body(samplers);
 }
 
-void Frame::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers) {
-  if (taps_.capacity() < fresh.size()) taps_.reserve(2 * fresh.size());
-  taps_.assign(fresh.size(), kAllTaps);
-  SampleBatch batch{fresh, {}, taps_};
+void DeskewedScan::sample_raw(std::span<const TimedPoint> fresh, SamplerChain& samplers) {
+  if (uses_.capacity() < fresh.size()) uses_.reserve(2 * fresh.size());
+  uses_.assign(fresh.size(), kAllUses);
+  SampleBatch batch{fresh, {}, uses_};
   samplers.sample(Sampler::ActsOn::raw, batch);
-  reserve(fresh.size() - static_cast<std::size_t>(std::count(taps_.begin(), taps_.end(), TapMask{0})));
+  reserve(fresh.size() - static_cast<std::size_t>(std::count(uses_.begin(), uses_.end(), PointUses{0})));
   raw_.clear();
   index_.clear();
   features_.clear();
   moved_.clear();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < fresh.size(); ++i) {
-    if (taps_[i] == 0) continue;
+    if (uses_[i] == 0) continue;
     raw_.push_back(fresh[i]);
     features_.push_back(fresh[i].feature);
     index_.push_back(static_cast<std::uint32_t>(i));
-    taps_[kept++] = taps_[i];
+    uses_[kept++] = uses_[i];
   }
-  taps_.resize(kept);
+  uses_.resize(kept);
 }
 
 namespace {
@@ -129,7 +129,7 @@ void bring_to_end(const WindowTrajectory& trajectory, const Pose& T_imu_lidar, s
 
 }  // namespace
 
-void Frame::deskew(const WindowTrajectory& trajectory) {
+void DeskewedScan::deskew(const WindowTrajectory& trajectory) {
   body_.resize(raw_.size());
   bring_to_end(
       trajectory, T_imu_lidar_, raw_.size(), [&](std::size_t i) -> const TimedPoint& { return raw_[i]; },
@@ -137,14 +137,14 @@ void Frame::deskew(const WindowTrajectory& trajectory) {
   for (std::size_t i = 0; i < moved_.size(); ++i) body_[i] += moved_[i];
 }
 
-void Frame::bring_to_imu() {
+void DeskewedScan::bring_to_imu() {
   body_.resize(raw_.size());
   for (std::size_t i = 0; i < raw_.size(); ++i) {
     body_[i] = (T_imu_lidar_ * Vec3(raw_[i].x, raw_[i].y, raw_[i].z)).cast<float>();
   }
 }
 
-void Frame::deskew_matches(const WindowTrajectory& trajectory) {
+void DeskewedScan::deskew_matches(const WindowTrajectory& trajectory) {
   bring_to_end(
       trajectory, T_imu_lidar_, match_raw_.size(),
       [&](std::size_t i) -> const TimedPoint& { return raw_[match_raw_[i]]; },
@@ -154,27 +154,27 @@ void Frame::deskew_matches(const WindowTrajectory& trajectory) {
       });
 }
 
-void Frame::sample_body(SamplerChain& samplers) {
+void DeskewedScan::sample_body(SamplerChain& samplers) {
   if (samplers.moves_points()) moved_ = body_;
-  SampleBatch batch{raw_, body_, taps_, features_};
+  SampleBatch batch{raw_, body_, uses_, features_};
   samplers.sample(Sampler::ActsOn::body, batch);
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = body_[i] - moved_[i];
   list_matches();
 }
 
-void Frame::take_as_measured() {
+void DeskewedScan::take_as_measured() {
   bring_to_imu();
   list_matches();
 }
 
-void Frame::list_matches() {
+void DeskewedScan::list_matches() {
   match_body_.clear();
   match_range_.clear();
   match_raw_.clear();
   match_time_.clear();
   match_feature_.clear();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
-    if ((taps_[i] & mask(Tap::match)) == 0) continue;
+    if ((uses_[i] & mask(PointUse::match)) == 0) continue;
     match_body_.push_back(body_[i].cast<double>());
     match_raw_.push_back(static_cast<std::uint32_t>(i));
     match_time_.push_back(raw_[i].t);
@@ -183,16 +183,16 @@ void Frame::list_matches() {
   }
 }
 
-void Frame::begin_world() {
+void DeskewedScan::begin_world() {
   for (auto& list : world_) list.clear();
-  alike_ = std::all_of(taps_.begin(), taps_.end(), [](TapMask taps) {
-    return ((taps & mask(Tap::overlap)) != 0) == ((taps & mask(Tap::map)) != 0);
+  alike_ = std::all_of(uses_.begin(), uses_.end(), [](PointUses uses) {
+    return ((uses & mask(PointUse::overlap)) != 0) == ((uses & mask(PointUse::map)) != 0);
   });
 }
 
-/// The i-th kept point, at p_W and seen from viewpoint_W, to the lists of its taps.
-void Frame::list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W) {
-  if (taps_[i] == 0) return;
+/// The i-th kept point, at p_W and seen from viewpoint_W, to the lists of its uses.
+void DeskewedScan::list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W) {
+  if (uses_[i] == 0) return;
   const TimedPoint& p = raw_[i];
   const WorldPoint point{p_W,
                          p.t,
@@ -202,13 +202,13 @@ void Frame::list_world(std::size_t i, const Vec3& p_W, const Vec3& viewpoint_W) 
                          p.line,
                          static_cast<std::uint8_t>(features_[i] & ~feature_class::clearest),
                          PackedDirection((p_W - viewpoint_W).cast<float>())};
-  for (const Tap tap : {Tap::overlap, Tap::map, Tap::match}) {
-    if ((taps_[i] & mask(tap)) == 0 || (alike_ && tap == Tap::overlap)) continue;
-    world_[slot(tap)].push_back(point);
+  for (const PointUse use : {PointUse::overlap, PointUse::map, PointUse::match}) {
+    if ((uses_[i] & mask(use)) == 0 || (alike_ && use == PointUse::overlap)) continue;
+    world_[slot(use)].push_back(point);
   }
 }
 
-void Frame::place(const WindowTrajectory& trajectory) {
+void DeskewedScan::place(const WindowTrajectory& trajectory) {
   const Pose& end = trajectory.corrected_end();
   const Vec3 seen_from = viewpoint(end);
   begin_world();
@@ -218,10 +218,10 @@ void Frame::place(const WindowTrajectory& trajectory) {
       [&](std::size_t i, const Vec3& p_I) { list_world(i, end * p_I, seen_from); });
 }
 
-void Frame::place_along(const TrajectoryModel& trajectory) {
+void DeskewedScan::place_along(const TrajectoryModel& trajectory) {
   begin_world();
   for (std::size_t i = 0; i < raw_.size(); ++i) {
-    if (taps_[i] == 0) continue;
+    if (uses_[i] == 0) continue;
     const Pose T = trajectory.pose(raw_[i].t);
     list_world(i, T * body_[i].cast<double>(), viewpoint(T));
   }

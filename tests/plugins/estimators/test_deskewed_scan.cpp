@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "aslio/toolkit/frame.hpp"
+#include "aslio/toolkit/deskewed_scan.hpp"
 
 using namespace aslio;
 
@@ -47,7 +47,7 @@ TEST_CASE("de-skew puts a world point where every measurement of it says") {  //
     const WindowTrajectory trajectory = turning_trajectory(rate, segments, dt, WindowTrajectory::Spread::rigid, faster);
     SensorModel sensor;
     sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(0.04, 0.02, -0.03)};
-    Frame frame(sensor);
+    DeskewedScan frame(sensor);
     const Vec3 target(7, -3, 2);
     std::vector<TimedPoint> raw;
     const TimeNs begin = trajectory.segments().front().t;
@@ -66,8 +66,8 @@ TEST_CASE("de-skew puts a world point where every measurement of it says") {  //
     frame.deskew(trajectory);
     frame.sample_body(keep_all);
     frame.place(trajectory);
-    REQUIRE(frame.world(Tap::match).size() == raw.size());
-    for (const WorldPoint& p : frame.world(Tap::match)) CHECK((p.p_W - target).norm() < 5e-6);
+    REQUIRE(frame.world(PointUse::match).size() == raw.size());
+    for (const WorldPoint& p : frame.world(PointUse::match)) CHECK((p.p_W - target).norm() < 5e-6);
   }
 }
 
@@ -87,7 +87,7 @@ class Shift final : public Sampler {
 
 TEST_CASE("points that samplers have moved stay moved when they are de-skewed again") {
   const WindowTrajectory trajectory = turning_trajectory(2.0, 20, 0.005);
-  Frame frame(SensorModel{});
+  DeskewedScan frame(SensorModel{});
   std::vector<TimedPoint> raw;
   for (int i = 1; i <= 10; ++i) {
     raw.push_back({.x = 3, .y = 1, .z = 0.5F, .t = trajectory.segments().front().t + i * 9'000'000});
@@ -102,13 +102,13 @@ TEST_CASE("points that samplers have moved stay moved when they are de-skewed ag
     frame.deskew_matches(trajectory);
     for (std::size_t i = 0; i < before.size(); ++i) CHECK((frame.match_body()[i] - before[i]).norm() < 1e-5);
     frame.place(trajectory);
-    const auto world = frame.world(Tap::map);
+    const auto world = frame.world(PointUse::map);
     const std::vector<WorldPoint> placed(world.begin(), world.end());
     REQUIRE(placed.size() == raw.size());
     frame.deskew(trajectory);
     frame.place(trajectory);
     for (std::size_t i = 0; i < placed.size(); ++i) {
-      CHECK((frame.world(Tap::map)[i].p_W - placed[i].p_W).norm() < 1e-5);
+      CHECK((frame.world(PointUse::map)[i].p_W - placed[i].p_W).norm() < 1e-5);
     }
     SamplerChain none;
     frame.load(raw, trajectory, none, times);
@@ -120,7 +120,7 @@ TEST_CASE("points are seen from where the sensor is at the end of the window, no
   const WindowTrajectory trajectory = turning_trajectory(2.0, 20, 0.005);
   SensorModel sensor;
   sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(2, -1, 3)};
-  Frame frame(sensor);
+  DeskewedScan frame(sensor);
   const TimeNs begin = trajectory.segments().front().t;
   const std::vector<TimedPoint> raw{{.x = 3, .y = 1, .z = 0.5F, .t = begin + 10'000'000},
                                     {.x = -1, .y = 2, .z = 0.2F, .t = begin + 90'000'000}};
@@ -131,7 +131,7 @@ TEST_CASE("points are seen from where the sensor is at the end of the window, no
   const Pose& end = trajectory.corrected_end();
   const Vec3 viewpoint = frame.viewpoint(end);
   CHECK((viewpoint - end * sensor.T_imu_lidar.p).norm() < 1e-12);
-  const auto world = frame.world(Tap::map);
+  const auto world = frame.world(PointUse::map);
   REQUIRE(world.size() == 2);
   for (const WorldPoint& point : world) {
     CHECK((point.view.vector().cast<double>() - (point.p_W - viewpoint).normalized()).norm() < 0.02);
@@ -147,7 +147,7 @@ TEST_CASE("points are placed where the corrected trajectory was when they were m
     WindowTrajectory trajectory = turning_trajectory(3.0, 20, 0.005, spread);
     SensorModel sensor;
     sensor.T_imu_lidar = {exp_so3(Vec3(0.1, -0.2, 0.7)), Vec3(0.04, 0.02, -0.03)};
-    Frame frame(sensor);
+    DeskewedScan frame(sensor);
     std::vector<TimedPoint> raw(50);
     for (std::size_t i = 0; i < raw.size(); ++i) {
       raw[i].x = 5.0F;
@@ -161,7 +161,7 @@ TEST_CASE("points are placed where the corrected trajectory was when they were m
     const Pose end = trajectory.predicted_end().pose();
     trajectory.correct({end.R * exp_so3(correction * Vec3(0.02, -0.03, 0.01)), end.p + Vec3(0.1, 0.2, -0.1)});
     frame.place(trajectory);
-    const auto placed = frame.world(Tap::map);
+    const auto placed = frame.world(PointUse::map);
     REQUIRE(placed.size() == raw.size());
     for (std::size_t i = 0; i < raw.size(); ++i) {
       const Vec3 p_L(raw[i].x, raw[i].y, raw[i].z);

@@ -6,7 +6,7 @@ import sys
 import tempfile
 import unittest
 
-SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "tools/lint/house_rules.py"
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "tools/lint/lint_rules.py"
 MARK = "TO" + "DO"
 HOME = "/ho" + "me/somebody/data"
 
@@ -16,12 +16,12 @@ class HouseRules(unittest.TestCase):
         """Rules that a tree with this one file, and maybe others, breaks. "ROOT" in a text is where the tree stands."""
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder).resolve()
-            for path, content in ((name, text), *others, ("tools/lint/house_rules.py", SCRIPT.read_text())):
+            for path, content in ((name, text), *others, ("tools/lint/lint_rules.py", SCRIPT.read_text())):
                 (root / path).parent.mkdir(parents=True, exist_ok=True)
                 (root / path).write_text(content.replace('"ROOT/', f'"{root}/'))
             for command in (["init", "-q"], ["add", "."]):
                 subprocess.run(["git", *command], cwd=root, check=True, capture_output=True)
-            run = subprocess.run([sys.executable, root / "tools/lint/house_rules.py"], capture_output=True, text=True,
+            run = subprocess.run([sys.executable, root / "tools/lint/lint_rules.py"], capture_output=True, text=True,
                                  check=False)
         broken = [line[7:] for line in run.stdout.splitlines() if line.startswith("FAILED")]
         self.assertEqual(run.returncode, 1 if broken else 0, run.stdout + run.stderr)
@@ -44,15 +44,15 @@ class HouseRules(unittest.TestCase):
 
     def test_equations(self):
         doc = "docs/equations.md"
-        text = "## rooms\nAll of them. Tests: `tests/rooms`.\n\n**AB-1** x = 1.\n\n**AB-10** y = 2.\nTest: `b_test.cpp`.\n"
+        text = "## modules\nAll of them. Tests: `tests/modules`.\n\n**AB-1** x = 1.\n\n**AB-10** y = 2.\nTest: `b_test.cpp`.\n"
         code = ("plugins/maps/a.cpp", "// eq. AB-1\n// eq. AB-10\n")
-        tests = (("tests/rooms/a.cpp", "// eq. AB-1\n"), ("tests/b_test.cpp", "// AB-10\n"))
+        tests = (("tests/modules/a.cpp", "// eq. AB-1\n"), ("tests/b_test.cpp", "// AB-10\n"))
         self.assertEqual(self.findings(doc, text, (code, *tests)), [])
         rule = ["every equation is cited in code and in the test it names"]
         self.assertEqual(self.findings(doc, text, tests), rule)
         self.assertEqual(self.findings(doc, text, ((code[0], "// eq. AB-10\n"), *tests)), rule)
         self.assertEqual(self.findings(doc, text, (code, tests[0])), rule)
-        self.assertEqual(self.findings(doc, text.replace("`tests/rooms`", "some"), (code, *tests)), rule)
+        self.assertEqual(self.findings(doc, text.replace("`tests/modules`", "some"), (code, *tests)), rule)
         self.assertEqual(self.findings(doc, text.replace("b_test", "c_test"), (code, *tests)), rule)
 
     def test_threads(self):

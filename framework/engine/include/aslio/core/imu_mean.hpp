@@ -6,8 +6,8 @@
 namespace aslio {
 
 /// Mean input of one interval (docs/equations.md MOT-6): what the samples say, and what the state makes of it.
-struct MeanInput {
-  MeanInput(const NavState& state, const ImuSample& from, const ImuSample& to)
+struct ImuMean {
+  ImuMean(const NavState& state, const ImuSample& from, const ImuSample& to)
       : dt(to_seconds(to.t - from.t)),
         w_measured(0.5 * (from.gyro + to.gyro)),
         w_change(dt > 0 ? Vec3((to.gyro - from.gyro) / dt) : Vec3::Zero()),

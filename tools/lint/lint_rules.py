@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The rules of docs/architecture.md that a compiler does not check.
 
-usage: house_rules.py [--tally FILE]
+usage: lint_rules.py [--tally FILE]
 
 Each rule is one check: it passes, or every line that breaks it is named.
 """
@@ -15,8 +15,8 @@ CODE = (".cpp", ".hpp")
 TEXT = CODE + (".py", ".sh", ".cmake", ".txt", ".md", ".yaml", ".yml", ".json", ".in", ".cff", ".js", ".mjs", ".css", "")
 FAMILIES = ("windows", "overlaps", "stores", "maps", "estimators", "motions", "residuals", "samplers", "histories",
             "insertions")
-# What a room of the framework may include: arrows point from the experiment down to the core.
-ROOMS = {
+# What a module of the framework may include: arrows point from the experiment down to the core.
+MODULES = {
     "core": {"core"},
     "config": {"core", "config"},
     "exec": {"core", "exec"},
@@ -65,7 +65,7 @@ class Source:
             if match:
                 yield i, match.group(1)
 
-    def room(self):
+    def module(self):
         """Room of the framework, or None."""
         if self.parts[0] != "framework" or len(self.parts) < 5:
             return None
@@ -78,7 +78,7 @@ class Source:
 def tracked():
     names = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     wanted = [n for n in names.split("\0") if n and pathlib.PurePosixPath(n).suffix in TEXT and (ROOT / n).is_file()]
-    return [Source(name) for name in wanted if name != "tools/lint/house_rules.py"]
+    return [Source(name) for name in wanted if name != "tools/lint/lint_rules.py"]
 
 
 def matching(sources, pattern, *tops, code=True, but=()):
@@ -98,15 +98,15 @@ def framework_knows_no_plugin(sources):
                     yield source, i, path
 
 
-def rooms_keep_their_arrows(sources):
+def modules_keep_their_arrows(sources):
     for source in sources:
-        room = source.room()
-        if room is None or source.suffix not in CODE:
+        module = source.module()
+        if module is None or source.suffix not in CODE:
             continue
         for i, path in source.includes():
             parts = path.split("/")
-            if parts[0] == "aslio" and len(parts) > 2 and parts[1] not in ROOMS.get(room, {room}):
-                yield source, i, f"{room} may not include {path}"
+            if parts[0] == "aslio" and len(parts) > 2 and parts[1] not in MODULES.get(module, {module}):
+                yield source, i, f"{module} may not include {path}"
 
 
 def families_stay_apart(sources):
@@ -229,7 +229,7 @@ def equations_are_cited_and_tested(sources):
 
 RULES = (
     ("the framework includes no plugin", framework_knows_no_plugin),
-    ("rooms include only what lies below them", rooms_keep_their_arrows),
+    ("modules include only what lies below them", modules_keep_their_arrows),
     ("a plugin includes no other family and only core, config, exec, stages", families_stay_apart),
     ("threads and OpenMP only in exec", threads_only_in_exec),
     ("no printing in framework and plugins", no_printing),
@@ -260,7 +260,7 @@ def main(arguments):
             print(f"       {source.name}:{line}: {text}")
     if arguments:
         with open(arguments[1], "a", encoding="utf-8") as file:
-            file.write(f"house rules\t{len(RULES) - failed}\t{failed}\t0\n")
+            file.write(f"lint rules\t{len(RULES) - failed}\t{failed}\t0\n")
     return 1 if failed else 0
 
 
