@@ -8,6 +8,7 @@
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/calibrated_sensor.hpp"
+#include "aslio/io/source.hpp"
 #include "aslio/plugin/registry.hpp"
 #include "child.hpp"
 #include "recordings.hpp"

@@ -191,7 +191,7 @@ TEST_CASE("Entries of another version or build are refused before their code run
     CHECK(error_of(file) == because(file, reason));
   };
   error("wrong_magic", "'aslio_plugin' is not the entry of a plugin (wrong magic number)");
-  error("wrong_version", "has plugin ABI version 13, this program has 12: build it again with this version's headers");
+  error("wrong_version", "has plugin ABI version 14, this program has 13: build it again with this version's headers");
   error("wrong_size", "its entry has 40 bytes, this program expects 32: build it again with this version's headers");
   error("no_stamp", "its entry is incomplete");
   const fs::path stamp = kObjects / "wrong_stamp.so";
