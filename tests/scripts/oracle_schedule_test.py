@@ -66,13 +66,13 @@ class OracleSchedule(StudyCase):
     def test_files_of_a_study_and_into_another(self):
         for name in ("a_1", "a_2"):
             self.overlap([1.0] * 20, f"data/{name}/overlap.csv")
-        code, out, _ = printed(oracle.main, self.root, "--n-least", "2", "--into", self.root / "other")
+        code, out, _ = printed(oracle.main, self.root, "--n-min", "2", "--into", self.root / "other")
         self.assertEqual(code, 0)
         self.assertEqual(out.count("2 updates in 0.1 s"), 2)
         text = (self.root / "other/data/a_2/oracle.csv").read_text()
         # The map is young for a second: n = 2.
         self.assertEqual(text.splitlines()[:2], ["t_ns,window_begin_ns", "1700000000100000000,1700000000000000000"])
-        self.assertEqual(printed(oracle.main, self.root, "--n-least", "2")[0], 0)
+        self.assertEqual(printed(oracle.main, self.root, "--n-min", "2")[0], 0)
         self.assertEqual((self.root / "data/a_1/oracle.csv").read_text(), text)
 
     def test_like_a_run_the_short_intervals_are_where_least_is_known(self):

@@ -169,7 +169,7 @@ def arguments(words):
     parser.add_argument("--like", metavar="METHOD", help="lengths as in that method's run of the study, in place of the rule")
     parser.add_argument("--frame-length", type=float, default=0.1, metavar="S")
     parser.add_argument("--seg-step", type=float, default=0.005, help="that of as_lio_plus")
-    parser.add_argument("--n-least", type=int, default=2, help="n where all is known: 2, as in as_lio_plus and the paper, is 10 Hz, and 4 is 20 Hz")
+    parser.add_argument("--n-min", type=int, default=2, help="n where all is known: 2, as in as_lio_plus and the paper, is 10 Hz, and 4 is 20 Hz")
     parser.add_argument("--n-max", type=int, default=25)
     parser.add_argument("--shift-min", type=float, default=0.008, metavar="S")
     parser.add_argument("--warmup", type=float, default=1.0, metavar="S", help="n is least until this long after the begin; with --like, updates keep their place until this long after the first")
