@@ -19,7 +19,9 @@ constexpr double kOfUsual = 0.55;    // .. of the most that were seen again in a
 }  // namespace
 
 ViewCheck::ViewCheck(const SensorModel& sensor)
-    : sensor_(sensor), slot_(std::max(kSecond / 10, to_ns(sensor.sweep_period))), blind_(slot_ * 5 / 2) {}
+    : sensor_(sensor), slot_(std::max(kSecond / 10, to_ns(sensor.sweep_period))), blind_(slot_ * 5 / 2) {
+  n_slots_ = static_cast<std::size_t>(std::clamp<TimeNs>(kSecond / slot_, 1, static_cast<TimeNs>(n_again_.size())));
+}
 
 void ViewCheck::forget() {
   now_ = before_ = Slot{};
@@ -87,7 +89,7 @@ std::optional<double> ViewCheck::compare() {
       ++unexplained;
     }
   }
-  n_again_[i_again_++ % n_again_.size()] = n;
+  n_again_[i_again_++ % n_slots_] = n;
   // Where little of the view is seen again, who walks by the lens is much of that. A wall that comes close takes the
   // view away over several slots.
   const int usual = *std::max_element(n_again_.begin(), n_again_.end());

@@ -48,9 +48,9 @@ class ViewCheck {
   SensorModel sensor_;
   TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
   Slot now_, before_;
-  std::array<int, 10> n_again_{};  ///< directions seen again in the last slots, a second of them
-  std::size_t i_again_ = 0;
-  TimeNs last_placed_ = kTimeMin;  ///< of the points that count
+  std::array<int, 10> n_again_{};          ///< directions seen again in the slots of the last second
+  std::size_t n_slots_ = 1, i_again_ = 0;  ///< slots of a second, at least 1; their number so far
+  TimeNs last_placed_ = kTimeMin;          ///< of the points that count
   TimeNs last_end_ = kTimeMin;
 };
 
