@@ -6,7 +6,7 @@
 
 #include "aslio/core/sha256.hpp"
 #include "aslio/io/source.hpp"
-#include "rosbag/byte_view.hpp"
+#include "input_file.hpp"
 
 namespace aslio::io {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void add_file(Sha256& digest, const fs::path& path) {
-  const rosbag::InputFile file(path);
+  const InputFile file(path);
   std::vector<std::uint8_t> block(std::min<std::uint64_t>(file.size(), 1U << 20U));
   for (std::uint64_t at = 0; at < file.size(); at += block.size()) {
     const auto part =

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "aslio/core/errors.hpp"
-#include "aslio/io/rosbag/messages.hpp"
+#include "aslio/io/message_reader.hpp"
 #include "decode/cloud.hpp"
 #include "imu_rate.hpp"
 #include "kitti_drive.hpp"
@@ -21,29 +21,29 @@ namespace {
 /// One topic of a bag while it is read.
 class TopicProbe {
  public:
-  TopicProbe(const rosbag::Connection& connection, const SensorConfig& sensor, std::string where)
+  TopicProbe(const Connection& connection, const SensorConfig& sensor, std::string where)
       : sensor_(sensor), where_(std::move(where)) {
     report_.topic = connection.topic;
     report_.type = connection.type;
     report_.md5 = connection.md5;
     report_.role = is_lidar(connection) ? TopicRole::lidar : is_imu(connection) ? TopicRole::imu : TopicRole::other;
     if (report_.role == TopicRole::lidar) decoder_ = make_lidar_decoder(connection, sensor, where_);
-    is_cloud_ = connection.md5 == rosbag::kPointCloud2.md5;
+    is_cloud_ = message_kind(connection) == MessageKind::cloud;
   }
 
   void add_connection(std::uint32_t id) { ids_.push_back(id); }
 
   /// Before the first message.
-  void look_at_clock(rosbag::BagReader& reader) {
+  void look_at_clock(MessageReader& reader) {
     if (report_.role == TopicRole::lidar) clock_ = judge_clock(reader, ids_, kClockMessages);
   }
 
-  void add(const rosbag::BagMessage& message) {
+  void add(const RawMessage& message) {
     const bool stamped = report_.role != TopicRole::other;
-    const TimeNs stamp = stamped ? decode::header_stamp(message.bytes).value_or(message.time) : message.time;
+    const TimeNs stamp = stamped ? decode::header_stamp(message).value_or(message.time) : message.time;
     statistics_.add(stamp);
     if (report_.role == TopicRole::imu) add_imu(message);
-    if (report_.role == TopicRole::lidar) add_lidar(message.bytes, clock_.far_off(stamp, message.time));
+    if (report_.role == TopicRole::lidar) add_lidar(message, clock_.far_off(stamp, message.time));
   }
 
   TopicReport finish() {
@@ -61,9 +61,9 @@ class TopicProbe {
   }
 
  private:
-  void add_imu(const rosbag::BagMessage& message) {
+  void add_imu(const RawMessage& message) {
     ImuSample sample;
-    if (!decode::decode_imu(message.bytes, sample).empty()) {
+    if (!decode::decode_imu(message, sample).empty()) {
       ++report_.malformed;
       return;
     }
@@ -86,20 +86,20 @@ class TopicProbe {
     }
   }
 
-  void add_lidar(decode::Bytes bytes, bool stamp_far_off) {
+  void add_lidar(const decode::Message& message, bool stamp_far_off) {
     if (is_cloud_ && report_.fields.empty()) {
       decode::CloudView view;
       bool systematic = false;
-      parse_cloud(bytes, view, systematic);
+      parse_cloud(message, view, systematic);
       report_.fields = view.table.all_names;
     }
     try {
-      if (!judged_ && report_.problem.empty() && !stamp_far_off) judged_ = decoder_->judge(bytes, notes_);
+      if (!judged_ && report_.problem.empty() && !stamp_far_off) judged_ = decoder_->judge(message, notes_);
     } catch (const DataError& error) {
       report_.problem = error.what();
     }
     LidarPacket& packet = packet_;
-    if (!decoder_->decode(bytes, packet).empty()) {
+    if (!decoder_->decode(message, packet).empty()) {
       ++report_.malformed;
     } else {
       points_ += packet.points.size();
@@ -132,14 +132,15 @@ class TopicProbe {
 };
 
 void inspect_bag(const std::filesystem::path& path, const SensorConfig& sensor, InputReport& report) {
-  rosbag::BagReader reader(path);
-  report.kind = "ROS1 bag";
+  const auto opened = open_messages(path);
+  MessageReader& reader = *opened;
+  report.kind = reader.kind();
   report.bytes = std::filesystem::file_size(path);
   std::map<std::string, std::unique_ptr<TopicProbe>> probes;  // several connections may share a topic
   std::map<std::uint32_t, TopicProbe*> by_id;
   std::vector<std::uint32_t> all;
-  for (const rosbag::Connection& c : reader.connections()) {
-    auto& probe = probes[c.topic + '\0' + c.md5];
+  for (const Connection& c : reader.connections()) {
+    auto& probe = probes[c.topic + '\0' + c.type + '\0' + c.md5];
     if (!probe) probe = std::make_unique<TopicProbe>(c, sensor, fmt::format("{}: {}", path.string(), c.topic));
     by_id[c.id] = probe.get();
     probe->add_connection(c.id);
@@ -147,7 +148,7 @@ void inspect_bag(const std::filesystem::path& path, const SensorConfig& sensor, 
   }
   for (auto& [key, probe] : probes) probe->look_at_clock(reader);
   reader.select(all);
-  rosbag::BagMessage message;
+  RawMessage message;
   while (reader.next(message)) by_id.at(message.connection)->add(message);
   for (auto& [key, probe] : probes) report.topics.push_back(probe->finish());
   report.status = reader.status();

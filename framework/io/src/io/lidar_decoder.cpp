@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -72,7 +74,7 @@ class LivoxDecoder final : public LidarDecoder {
     rule_.longest_offset = kTimeMax;  // until judged: what lies beyond may be all there is
   }
 
-  bool judge(decode::Bytes message, SourceNotes& notes) override {
+  bool judge(const decode::Message& message, SourceNotes& notes) override {
     LidarPacket packet;
     decode::LivoxFacts facts;
     decode::LivoxRule lenient = rule_;
@@ -97,7 +99,7 @@ class LivoxDecoder final : public LidarDecoder {
     notes.warnings.push_back(fmt::format("{}: no message has enough returns to judge point times by", where_));
   }
 
-  std::string decode(decode::Bytes message, LidarPacket& packet) override {
+  std::string decode(const decode::Message& message, LidarPacket& packet) override {
     decode::LivoxFacts facts;
     return decode_livox(message, rule_, packet, facts);
   }
@@ -210,7 +212,7 @@ class CloudDecoder final : public LidarDecoder {
     rule_.longest_offset = longest_offset(sensor);
   }
 
-  bool judge(decode::Bytes message, SourceNotes& notes) override {
+  bool judge(const decode::Message& message, SourceNotes& notes) override {
     decode::CloudView view;
     bool systematic = false;
     if (const std::string why = parse_cloud(message, view, systematic); !why.empty()) {
@@ -238,7 +240,7 @@ class CloudDecoder final : public LidarDecoder {
     notes.warnings.push_back(fmt::format("{}: no message has returns; nothing to judge point times by", where_));
   }
 
-  std::string decode(decode::Bytes message, LidarPacket& packet) override {
+  std::string decode(const decode::Message& message, LidarPacket& packet) override {
     decode::CloudView view;
     bool systematic = false;
     std::string why = parse_cloud(message, view, systematic);
@@ -284,17 +286,48 @@ class CloudDecoder final : public LidarDecoder {
   decode::CloudRule rule_;
 };
 
+/// A message that can be decoded, by ROS1's checksum or by its name: package/Name, package/msg/Name in ROS2.
+struct KnownMessage {
+  MessageKind kind;
+  const rosbag::MessageType* ros1;
+  std::string_view package, name;  ///< package: the begin of it
+
+  bool named(std::string_view type) const { return type.starts_with(package) && type.ends_with(name); }
+};
+
+/// Forks of Livox's driver have names of their own (livox_ros_driver, livox_ros_driver2, livox_interfaces).
+constexpr std::array<KnownMessage, 3> kKnownMessages{
+    {{MessageKind::livox, &rosbag::kLivoxCustomMsg, "livox_", "/CustomMsg"},
+     {MessageKind::cloud, &rosbag::kPointCloud2, "sensor_msgs/", "/PointCloud2"},
+     {MessageKind::imu, &rosbag::kImu, "sensor_msgs/", "/Imu"}}};
+
 }  // namespace
 
-bool is_lidar(const rosbag::Connection& connection) {
-  return connection.md5 == rosbag::kLivoxCustomMsg.md5 || connection.md5 == rosbag::kPointCloud2.md5;
+MessageKind message_kind(const Connection& connection) {
+  const bool ros1 = connection.encoding == Encoding::ros1;
+  if (connection.encoding == Encoding::other) return MessageKind::other;
+  const bool by_name = !ros1 || connection.md5.empty() || connection.md5 == "*";
+  for (const KnownMessage& known : kKnownMessages) {
+    if (by_name ? known.named(connection.type) : known.ros1->md5 == connection.md5) return known.kind;
+  }
+  return MessageKind::other;
 }
 
-bool is_imu(const rosbag::Connection& connection) { return connection.md5 == rosbag::kImu.md5; }
+bool is_known_name(const Connection& connection) {
+  return std::any_of(kKnownMessages.begin(), kKnownMessages.end(),
+                     [&](const KnownMessage& known) { return known.named(connection.type); });
+}
 
-std::unique_ptr<LidarDecoder> make_lidar_decoder(const rosbag::Connection& connection, const SensorConfig& sensor,
+bool is_lidar(const Connection& connection) {
+  const MessageKind kind = message_kind(connection);
+  return kind == MessageKind::livox || kind == MessageKind::cloud;
+}
+
+bool is_imu(const Connection& connection) { return message_kind(connection) == MessageKind::imu; }
+
+std::unique_ptr<LidarDecoder> make_lidar_decoder(const Connection& connection, const SensorConfig& sensor,
                                                  std::string where) {
-  if (connection.md5 == rosbag::kLivoxCustomMsg.md5) return std::make_unique<LivoxDecoder>(sensor, std::move(where));
+  if (message_kind(connection) == MessageKind::livox) return std::make_unique<LivoxDecoder>(sensor, std::move(where));
   return std::make_unique<CloudDecoder>(sensor, std::move(where));
 }
 

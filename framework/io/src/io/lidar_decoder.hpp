@@ -1,12 +1,12 @@
 #pragma once
-/// Decodes the messages of one LiDAR topic, by message checksum. Opening judges the first messages; after that, single
-/// malformed messages are skipped and counted.
+/// Decodes the messages of one LiDAR topic, by the kind of message. Opening judges the first messages; after that,
+/// single malformed messages are skipped and counted.
 
 #include <memory>
 #include <string>
 
 #include "aslio/core/measurement.hpp"
-#include "aslio/io/rosbag/reader.hpp"
+#include "aslio/io/message_reader.hpp"
 #include "decode/decode.hpp"
 
 namespace aslio::io {
@@ -16,18 +16,25 @@ class LidarDecoder {
   virtual ~LidarDecoder() = default;
   /// Judges times by messages with returns, the first ones in their order. True once decided. Throws DataError when a
   /// message, or the topic for its times, cannot be used.
-  virtual bool judge(decode::Bytes message, SourceNotes& notes) = 0;
+  virtual bool judge(const decode::Message& message, SourceNotes& notes) = 0;
   /// At the end of the messages, undecided: judges by what there was, or says that there was nothing to judge by.
   virtual void assume(SourceNotes& notes) = 0;
   /// Empty, or what is wrong with the message.
-  virtual std::string decode(decode::Bytes message, LidarPacket& packet) = 0;
+  virtual std::string decode(const decode::Message& message, LidarPacket& packet) = 0;
 };
 
-bool is_lidar(const rosbag::Connection& connection);
-bool is_imu(const rosbag::Connection& connection);
+/// What a message is, whatever the package or distribution that it comes from.
+enum class MessageKind : std::uint8_t { other, livox, cloud, imu };
+
+/// ROS1: by the checksum, and by the name where there is none (or `*`). ROS2: by the name.
+MessageKind message_kind(const Connection& connection);
+bool is_lidar(const Connection& connection);
+bool is_imu(const Connection& connection);
+/// A type of a name that can be read, yet not of its checksum or encoding.
+bool is_known_name(const Connection& connection);
 
 /// For a connection of a LiDAR type. `where` names file and topic in messages.
-std::unique_ptr<LidarDecoder> make_lidar_decoder(const rosbag::Connection& connection, const SensorConfig& sensor,
+std::unique_ptr<LidarDecoder> make_lidar_decoder(const Connection& connection, const SensorConfig& sensor,
                                                  std::string where);
 
 }  // namespace aslio::io

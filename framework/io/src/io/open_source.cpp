@@ -2,9 +2,9 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/source.hpp"
-#include "bag_source.hpp"
 #include "kitti_drive.hpp"
 #include "kitti_source.hpp"
+#include "recording_source.hpp"
 
 namespace aslio::io {
 
@@ -27,7 +27,7 @@ std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path
     }
     return open_kitti(*drive, sensor, section);
   }
-  return open_bag(path, sensor, section);
+  return open_recording(path.string(), open_messages(path), sensor, section);
 }
 
 }  // namespace aslio::io

@@ -30,12 +30,12 @@ TimeNs StampClock::begin() const {
   return far_off(first_stamp_, first_recorded_) ? first_recorded_ + *offset_ : first_stamp_;
 }
 
-StampClock judge_clock(rosbag::BagReader& reader, std::span<const std::uint32_t> ids, std::size_t messages) {
+StampClock judge_clock(MessageReader& reader, std::span<const std::uint32_t> ids, std::size_t messages) {
   StampClock clock;
-  rosbag::BagMessage message;
+  RawMessage message;
   reader.select(ids);
   for (std::size_t i = 0; i < messages && reader.next(message); ++i) {
-    if (const auto stamp = decode::header_stamp(message.bytes)) clock.add(*stamp, message.time);
+    if (const auto stamp = decode::header_stamp(message)) clock.add(*stamp, message.time);
   }
   clock.judge();
   return clock;

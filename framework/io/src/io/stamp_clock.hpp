@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "aslio/core/time.hpp"
-#include "aslio/io/rosbag/reader.hpp"
+#include "aslio/io/message_reader.hpp"
 
 namespace aslio::io {
 
@@ -40,6 +40,6 @@ class StampClock {
 inline constexpr std::size_t kClockMessages = 5;
 
 /// Of the first messages of some connections, which the reader selects for it.
-StampClock judge_clock(rosbag::BagReader& reader, std::span<const std::uint32_t> ids, std::size_t messages);
+StampClock judge_clock(MessageReader& reader, std::span<const std::uint32_t> ids, std::size_t messages);
 
 }  // namespace aslio::io

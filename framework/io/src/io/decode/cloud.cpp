@@ -176,7 +176,7 @@ std::string unlike(const CloudView& view, const CloudTimeRule& rule) {
 
 }  // namespace
 
-std::string parse_cloud(Bytes message, CloudView& view, bool& systematic) {
+std::string parse_cloud(const Message& message, CloudView& view, bool& systematic) {
   Wire wire(message);
   view = CloudView{};
   systematic = false;
@@ -189,7 +189,7 @@ std::string parse_cloud(Bytes message, CloudView& view, bool& systematic) {
   view.point_step = wire.get<std::uint32_t>();
   view.row_step = wire.get<std::uint32_t>();
   view.data = wire.take(wire.get<std::uint32_t>());
-  if (!wire.ok()) return "the message is too short for a PointCloud2 of its size";
+  if (!wire.ok()) return wire.problem("a PointCloud2 of its size");
   if (big_endian) {
     systematic = true;
     return "it is flagged big-endian, which no known driver sends; convert the bag";

@@ -31,7 +31,7 @@ struct CloudView {
 };
 
 /// Checks sizes and fields. `systematic` tells that every message of this topic will fail alike.
-std::string parse_cloud(Bytes message, CloudView& view, bool& systematic);
+std::string parse_cloud(const Message& message, CloudView& view, bool& systematic);
 
 struct CloudTimeRule {
   bool known = false;

@@ -1,5 +1,5 @@
 #pragma once
-/// Decoders of ROS1 messages. Each returns an empty text, or what is wrong with the message.
+/// Decoders of ROS messages. Each returns an empty text, or what is wrong with the message.
 
 #include <array>
 #include <cmath>
@@ -11,11 +11,21 @@
 
 #include "aslio/core/measurement.hpp"
 #include "aslio/core/sensor.hpp"
+#include "aslio/io/message_reader.hpp"
 #include "aslio/io/source.hpp"
 
 namespace aslio::io::decode {
 
 using Bytes = std::span<const std::uint8_t>;
+
+/// A serialised message.
+struct Message {
+  Bytes bytes;
+  Encoding encoding = Encoding::ros1;
+
+  Message(Bytes all, Encoding how) : bytes(all), encoding(how) {}
+  Message(const RawMessage& raw) : bytes(raw.bytes), encoding(raw.encoding) {}
+};
 
 /// No LiDAR sees farther [m]; beyond stand the sentinels and bit errors that overflow integer grids.
 inline constexpr float kFarthest = 1e5F;
@@ -27,10 +37,10 @@ inline bool is_return(float x, float y, float z) {
 }
 
 /// Header stamp of any message that starts with a std_msgs/Header; nullopt when it is too short.
-std::optional<TimeNs> header_stamp(Bytes message);
+std::optional<TimeNs> header_stamp(const Message& message);
 
 /// Values as sent, units not yet known.
-std::string decode_imu(Bytes message, ImuSample& sample);
+std::string decode_imu(const Message& message, ImuSample& sample);
 
 /// How the times of a Livox CustomMsg are read.
 struct LivoxRule {
@@ -45,9 +55,10 @@ struct LivoxRule {
 struct LivoxFacts {
   TimeNs stamp = 0, timebase = 0;
   std::uint32_t declared = 0, present = 0, valid = 0;
+  std::uint8_t lidar_id = 0;
 };
 
-std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts);
+std::string decode_livox(const Message& message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts);
 
 /// Factors to SI, how they were found, and doubts; and what the sensor file knows of the IMU (docs/equations.md
 /// MOT-11).

@@ -111,22 +111,22 @@ void take_calibration(const SensorConfig& sensor, ImuUnits& units) {
 
 }  // namespace
 
-std::optional<TimeNs> header_stamp(Bytes message) {
+std::optional<TimeNs> header_stamp(const Message& message) {
   Wire wire(message);
-  wire.get<std::uint32_t>();
+  if (!wire.cdr()) wire.get<std::uint32_t>();
   const TimeNs stamp = wire.time();
   return wire.ok() ? std::optional(stamp) : std::nullopt;
 }
 
-std::string decode_imu(Bytes message, ImuSample& sample) {
+std::string decode_imu(const Message& message, ImuSample& sample) {
   Wire wire(message);
   sample.t = wire.header();
-  wire.take(4 * 8 + 9 * 8);  // orientation and its covariance
+  wire.skip<double>(4 + 9);  // orientation and its covariance
   sample.gyro = vector(wire);
-  wire.take(9 * 8);
+  wire.skip<double>(9);
   sample.acc = vector(wire);
-  wire.take(9 * 8);
-  return wire.ok() ? std::string{} : "the message is too short for an Imu";
+  wire.skip<double>(9);
+  return wire.ok() ? std::string{} : wire.problem("an Imu");
 }
 
 void GyroRange::add(const Vec3& gyro) {

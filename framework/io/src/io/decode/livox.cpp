@@ -10,20 +10,24 @@
 namespace aslio::io::decode {
 namespace {
 
-constexpr std::size_t kPointBytes = 19;  // packed: offset_time u32, x y z f32, reflectivity, tag, line u8
+constexpr std::size_t kPointBytes = 19;  // offset_time u32, x y z f32, reflectivity, tag, line u8; packed in ROS1
+constexpr std::size_t kAligned = 20;  // in CDR each point begins at a multiple of 4, the last one ends without padding
 
 }  // namespace
 
-std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts) {
+std::string decode_livox(const Message& message, const LivoxRule& rule, LidarPacket& packet, LivoxFacts& facts) {
   Wire wire(message);
   facts = LivoxFacts{};
   facts.stamp = packet.stamp = wire.header();
   const std::uint64_t timebase = wire.get<std::uint64_t>();
   facts.declared = wire.get<std::uint32_t>();
-  wire.take(4);  // lidar_id, rsvd
+  facts.lidar_id = wire.get<std::uint8_t>();
+  wire.take(3);  // rsvd
   const std::uint32_t count = wire.get<std::uint32_t>();
-  if (!wire.ok()) return "the message is too short for a CustomMsg";
-  if (count * std::uint64_t{kPointBytes} > wire.left()) {
+  if (!wire.ok()) return wire.problem("a CustomMsg");
+  const std::size_t stride = wire.cdr() ? kAligned : kPointBytes;
+  const std::uint64_t bytes = count == 0 ? 0 : (count - std::uint64_t{1}) * stride + kPointBytes;
+  if (bytes > wire.left()) {
     return fmt::format("it claims {} points where {} bytes are left", count, wire.left());
   }
   if (!rule.from_header && timebase > static_cast<std::uint64_t>(kTimeMax - 10 * kSecond)) {
@@ -32,17 +36,17 @@ std::string decode_livox(Bytes message, const LivoxRule& rule, LidarPacket& pack
   facts.timebase = static_cast<TimeNs>(std::min(timebase, static_cast<std::uint64_t>(kTimeMax)));
   facts.present = count;
   const TimeNs base = rule.from_header ? packet.stamp : facts.timebase;
-  const std::uint8_t* from = wire.take(count * std::uint64_t{kPointBytes}).data();
+  const std::uint8_t* from = wire.take(bytes).data();
+  const bool swapped = wire.swapped();
   packet.points.clear();
   packet.beyond_lines = 0;
   packet.points.reserve(count);
   const std::uint32_t longest = static_cast<std::uint32_t>(std::min<TimeNs>(rule.longest_offset, 0xFFFFFFFF));
   const int lines = std::min(rule.scan_lines, 256);
-  for (std::uint32_t i = 0; i < count; ++i, from += kPointBytes) {
-    std::uint32_t offset = 0;
+  for (std::uint32_t i = 0; i < count; ++i, from += stride) {
+    const auto offset = load<std::uint32_t>(from, swapped);
     std::array<float, 3> p{};
-    std::memcpy(&offset, from, 4);
-    std::memcpy(p.data(), from + 4, 12);
+    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = load<float>(from + 4 + 4 * axis, swapped);
     const std::uint8_t tag = from[17], line = from[18], returns = tag & 0x30U;
     const bool noise = rule.tag_filter && returns != 0x00 && returns != 0x10;
     const bool damaged = rule.timed && offset > longest;

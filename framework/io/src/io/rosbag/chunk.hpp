@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "../input_file.hpp"
 #include "aslio/io/rosbag/reader.hpp"
-#include "byte_view.hpp"
 #include "record.hpp"
 
 namespace aslio::io::rosbag {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "../input_file.hpp"
 #include "aslio/io/rosbag/reader.hpp"
-#include "byte_view.hpp"
 #include "format.hpp"
 
 namespace aslio::io::rosbag {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "aslio/core/time.hpp"
-#include "aslio/io/source.hpp"
+#include "aslio/io/message_reader.hpp"
 
 namespace aslio::io::rosbag {
 
@@ -25,39 +25,25 @@ struct Limits {
   std::size_t connections = 4096;
 };
 
-struct Connection {
-  std::uint32_t id = 0;
-  std::string topic, type, md5, definition;
-};
+using io::Connection;
+using BagMessage = RawMessage;
 
-struct BagMessage {
-  std::uint32_t connection = 0;              ///< Connection::id
-  TimeNs time = 0;                           ///< when it was recorded
-  std::span<const std::uint8_t> bytes = {};  ///< ROS1 serialisation; valid until the next call
-};
-
-class BagReader {
+class BagReader final : public MessageReader {
  public:
   /// Reads connections and chunk list. Throws DataError naming file, offset and remedy.
   explicit BagReader(const std::filesystem::path& path, const Limits& limits = {});
-  ~BagReader();
+  ~BagReader() override;
   BagReader(BagReader&&) noexcept;
   BagReader& operator=(BagReader&&) noexcept;
 
-  /// By id, ascending.
-  const std::vector<Connection>& connections() const;
-  /// Record time of the first and last message of the bag; nullopt for a bag without messages.
-  std::optional<TimeNs> begin_time() const;
-  std::optional<TimeNs> end_time() const;
-
-  /// Restricts reading to these connections (all of them before the first call) and starts over.
-  void select(std::span<const std::uint32_t> ids);
-  /// Next message by record time; messages of equal time in file order. False at the end. Throws DataError for damage.
-  bool next(BagMessage& message);
-
-  /// `truncated` once it is known that the file ends before its last record does.
-  InputStatus status() const;
-  const std::vector<std::string>& warnings() const;
+  std::string kind() const override { return "ROS1 bag"; }
+  const std::vector<Connection>& connections() const override;
+  std::optional<TimeNs> begin_time() const override;
+  std::optional<TimeNs> end_time() const override;
+  void select(std::span<const std::uint32_t> ids) override;
+  bool next(BagMessage& message) override;
+  InputStatus status() const override;
+  const std::vector<std::string>& warnings() const override;
 
  private:
   class Impl;

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace aslio::io::rosbag {
+namespace aslio::io {
 
 class InputFile {
  public:
@@ -43,4 +43,4 @@ class ByteView {
   std::vector<std::uint8_t> window_;
 };
 
-}  // namespace aslio::io::rosbag
+}  // namespace aslio::io

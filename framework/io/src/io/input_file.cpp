@@ -1,4 +1,4 @@
-#include "byte_view.hpp"
+#include "input_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 #include "aslio/core/errors.hpp"
 
-namespace aslio::io::rosbag {
+namespace aslio::io {
 
 InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
   const auto require_regular = [this](mode_t mode) {
@@ -62,4 +62,4 @@ const std::uint8_t* ByteView::at(std::uint64_t offset, std::size_t count) {
   return window_.data() + (offset - window_begin_);
 }
 
-}  // namespace aslio::io::rosbag
+}  // namespace aslio::io

@@ -1,131 +1,57 @@
-#include "bag_source.hpp"
+#include "recording_source.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "aslio/core/errors.hpp"
-#include "aslio/io/rosbag/messages.hpp"
 #include "imu_rate.hpp"
 #include "lidar_decoder.hpp"
 #include "stamp_clock.hpp"
+#include "topic_chooser.hpp"
 
 namespace aslio::io {
 namespace {
-
-using rosbag::BagMessage;
-using rosbag::BagReader;
-using rosbag::Connection;
 
 constexpr std::size_t kJudgedMessages = 50;  ///< LiDAR messages looked at for one with returns
 constexpr TimeNs kClocksApart = kSecond;     ///< a recorder is never so late with one topic alone
 constexpr TimeNs kSectionSlack = kSecond;    ///< messages may be recorded later than stamped
 
-std::string list_topics(const std::vector<Connection>& connections) {
-  std::string text;
-  std::vector<std::string> lines;
-  for (const Connection& c : connections) lines.push_back(fmt::format("\n  {} [{}]", c.topic, c.type));
-  std::sort(lines.begin(), lines.end());
-  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
-  constexpr std::size_t kMax = 50;
-  for (std::size_t i = 0; i < std::min(kMax, lines.size()); ++i) text += lines[i];
-  if (lines.size() > kMax) text += fmt::format("\n  and {} more", lines.size() - kMax);
-  return text.empty() ? "\n  (none)" : text;
-}
+const TopicRoleWords kLidarWords{"LiDAR", "lidar_topic", "livox CustomMsg and sensor_msgs/PointCloud2", &is_lidar};
+const TopicRoleWords kImuWords{"IMU", "imu_topic", "sensor_msgs/Imu", &is_imu};
 
-/// What is to be said where a file that is cut short lacks something: the rest may have had it. Empty for a whole file.
-std::string if_cut(const BagReader& reader, const std::filesystem::path& path) {
-  if (reader.status() != InputStatus::truncated) return {};
-  std::error_code ignored;
-  return fmt::format("the file is cut short at {} bytes", std::filesystem::file_size(path, ignored));
-}
-
-/// The connections of one role, all of one topic.
-class TopicChooser {
+class RecordingSource final : public MeasurementSource {
  public:
-  TopicChooser(const std::filesystem::path& path, const BagReader& reader)
-      : path_(path.string()), connections_(reader.connections()) {
-    const std::string cut = if_cut(reader, path);
-    if (!cut.empty()) remedy_ = fmt::format("{}: copy it again from its origin, or ", cut);
-  }
-
-  std::vector<Connection> choose(const char* role, const char* key, const std::string& wanted,
-                                 bool (*fits)(const Connection&), const char* types) const {
-    const std::string topic = wanted.empty() ? only_topic(role, key, fits, types) : wanted;
-    std::vector<Connection> chosen;
-    for (const Connection& c : connections_) {
-      if (c.topic == topic) chosen.push_back(c);
-    }
-    if (chosen.empty()) {
-      throw DataError(fmt::format("{}: there is no {} topic '{}'; {}set `{}` to one of:{}", path_, role, topic, remedy_,
-                                  key, list_topics(connections_)));
-    }
-    for (const Connection& c : chosen) {
-      if (!fits(c)) throw DataError(wrong_type(role, key, c, types));
-      if (c.md5 != chosen.front().md5) {
-        throw DataError(
-            fmt::format("{}: topic '{}' carries both {} and {}", path_, topic, chosen.front().type, c.type));
-      }
-    }
-    return chosen;
-  }
-
- private:
-  std::string wrong_type(const char* role, const char* key, const Connection& c, const char* types) const {
-    const bool named =
-        c.type.ends_with("/CustomMsg") || c.type == rosbag::kImu.name || c.type == rosbag::kPointCloud2.name;
-    std::string remark;
-    if (is_lidar(c) || is_imu(c)) {
-      remark = ": `lidar_topic` and `imu_topic` look swapped";
-    } else if (named) {
-      remark = fmt::format(" with checksum {}, another version of that message than the known one", c.md5);
-    }
-    return fmt::format("{}: {} topic '{}' is of type {}{}; {} can be read; set `{}` to one of:{}", path_, role, c.topic,
-                       c.type, remark, types, key, list_topics(connections_));
-  }
-
-  std::string only_topic(const char* role, const char* key, bool (*fits)(const Connection&), const char* types) const {
-    std::vector<std::string> topics;
-    for (const Connection& c : connections_) {
-      if (fits(c) && std::find(topics.begin(), topics.end(), c.topic) == topics.end()) topics.push_back(c.topic);
-    }
-    if (topics.size() == 1) return topics.front();
-    throw DataError(fmt::format("{}: {} {} topic ({}); {}set `{}` to one of:{}", path_,
-                                topics.empty() ? "there is no" : "there is more than one", role, types,
-                                topics.empty() ? remedy_ : "", key, list_topics(connections_)));
-  }
-
-  std::string path_, remedy_;
-  const std::vector<Connection>& connections_;
-};
-
-class BagSource final : public MeasurementSource {
- public:
-  BagSource(const std::filesystem::path& path, const SensorConfig& sensor, const Section& section)
-      : path_(path), reader_(path), scan_lines_(sensor.model.scan_lines), gyro_unit_(sensor.gyro_unit) {
+  RecordingSource(std::string name, std::unique_ptr<MessageReader> reader, const SensorConfig& sensor,
+                  const Section& section)
+      : name_(std::move(name)),
+        reader_(std::move(reader)),
+        scan_lines_(sensor.model.scan_lines),
+        gyro_unit_(sensor.gyro_unit) {
     refuse_without_message();
-    const TopicChooser chooser(path, reader_);
-    const auto lidar = chooser.choose("LiDAR", "lidar_topic", sensor.lidar_topic, &is_lidar,
-                                      "livox CustomMsg and sensor_msgs/PointCloud2");
-    const auto imu = chooser.choose("IMU", "imu_topic", sensor.imu_topic, &is_imu, "sensor_msgs/Imu");
+    const std::string cut = if_cut();
+    const TopicChooser chooser(name_, reader_->connections(),
+                               cut.empty() ? "" : fmt::format("{}: copy it again from its origin, or ", cut));
+    const auto lidar = chooser.choose(kLidarWords, sensor.lidar_topic);
+    const auto imu = chooser.choose(kImuWords, sensor.imu_topic);
     for (const Connection& c : lidar) lidar_ids_.push_back(c.id);
     for (const Connection& c : imu) imu_ids_.push_back(c.id);
-    decoder_ = make_lidar_decoder(lidar.front(), sensor, fmt::format("{}: {}", path.string(), lidar.front().topic));
-    judge_imu(sensor, fmt::format("{}: {}", path.string(), imu.front().topic));
+    decoder_ = make_lidar_decoder(lidar.front(), sensor, fmt::format("{}: {}", name_, lidar.front().topic));
+    judge_imu(sensor, fmt::format("{}: {}", name_, imu.front().topic));
     judge_lidar(lidar.front().topic);
     compare_clocks(imu.front().topic, lidar.front().topic, sensor.model.sweep_period);
     set_section(section);
     std::vector<std::uint32_t> both = lidar_ids_;
     both.insert(both.end(), imu_ids_.begin(), imu_ids_.end());
-    reader_.select(both);
+    reader_->select(both);
     add_reader_warnings();
   }
 
   std::optional<Measurement> next() override {
-    BagMessage message;
-    while (!past_section() && reader_.next(message)) {
+    RawMessage message;
+    while (!past_section() && reader_->next(message)) {
       const bool is_imu_message = std::find(imu_ids_.begin(), imu_ids_.end(), message.connection) != imu_ids_.end();
-      auto stamp = decode::header_stamp(message.bytes);
+      auto stamp = decode::header_stamp(message);
       const StampClock& clock = is_imu_message ? imu_clock_ : lidar_clock_;
       const bool ahead = stamp && clock.far_ahead(*stamp, message.time);
       if (stamp && is_imu_message) *stamp -= units_.delay;
@@ -153,33 +79,41 @@ class BagSource final : public MeasurementSource {
   }
 
   /// What is cut off behind the section is nothing that was asked for.
-  InputStatus status() const override { return section_ended_ ? InputStatus::complete : reader_.status(); }
+  InputStatus status() const override { return section_ended_ ? InputStatus::complete : reader_->status(); }
   const SourceNotes& notes() const override { return notes_; }
   std::optional<TimeNs> begin_time() const override { return begin_; }
   std::optional<TimeNs> end_time() const override { return end_; }
 
  private:
+  /// What is to be said where a file that is cut short lacks something: the rest may have had it. Empty for a whole
+  /// one.
+  std::string if_cut() const {
+    if (reader_->status() != InputStatus::truncated) return {};
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(name_, error);
+    return error ? "it is cut short" : fmt::format("the file is cut short at {} bytes", bytes);
+  }
+
   /// Such a file has no topics either, or not all of them: naming those to choose from would mislead.
   void refuse_without_message() const {
-    const std::string cut = if_cut(reader_, path_);
-    if (cut.empty() || reader_.begin_time()) return;
-    throw DataError(
-        fmt::format("{}: {}, before its first whole message; copy it again from its origin", path_.string(), cut));
+    const std::string cut = if_cut();
+    if (cut.empty() || reader_->begin_time()) return;
+    throw DataError(fmt::format("{}: {}, before its first whole message; copy it again from its origin", name_, cut));
   }
 
   [[noreturn]] void fail_without(const std::string& where, const char* what) const {
-    const std::string cut = if_cut(reader_, path_);
+    const std::string cut = if_cut();
     throw DataError(fmt::format("{}: there is no {}{}", where, what,
                                 cut.empty() ? "" : fmt::format("; {}: copy it again from its origin", cut)));
   }
 
   void judge_imu(const SensorConfig& sensor, const std::string& where) {
-    reader_.select(imu_ids_);
-    BagMessage message;
+    reader_->select(imu_ids_);
+    RawMessage message;
     ImuBeginning beginning;
-    for (bool more = true, first = true; more && reader_.next(message);) {
+    for (bool more = true, first = true; more && reader_->next(message);) {
       ImuSample sample;
-      if (const std::string why = decode::decode_imu(message.bytes, sample); !why.empty()) {
+      if (const std::string why = decode::decode_imu(message, sample); !why.empty()) {
         if (first) throw DataError(fmt::format("{}: the first message cannot be decoded: {}", where, why));
         continue;
       }
@@ -197,18 +131,18 @@ class BagSource final : public MeasurementSource {
   }
 
   void judge_lidar(const std::string& topic) {
-    lidar_clock_ = judge_clock(reader_, lidar_ids_, kClockMessages);
-    reader_.select(lidar_ids_);
-    BagMessage message;
+    lidar_clock_ = judge_clock(*reader_, lidar_ids_, kClockMessages);
+    reader_->select(lidar_ids_);
+    RawMessage message;
     bool judged = false;
     std::size_t seen = 0;
-    for (; !judged && seen < kJudgedMessages && reader_.next(message); ++seen) {
-      const auto stamp = decode::header_stamp(message.bytes);
+    for (; !judged && seen < kJudgedMessages && reader_->next(message); ++seen) {
+      const auto stamp = decode::header_stamp(message);
       if (seen == 0 && stamp) begin_ = std::min(begin_, lidar_clock_.begin());
       if (stamp && lidar_clock_.far_off(*stamp, message.time)) continue;
-      judged = decoder_->judge(message.bytes, notes_);
+      judged = decoder_->judge(message, notes_);
     }
-    if (seen == 0) fail_without(fmt::format("{}: {}", path_.string(), topic), "LiDAR message");
+    if (seen == 0) fail_without(fmt::format("{}: {}", name_, topic), "LiDAR message");
     if (!judged) decoder_->assume(notes_);
   }
 
@@ -220,7 +154,7 @@ class BagSource final : public MeasurementSource {
     const auto apart = [imu](const StampClock& lidar) { return std::abs(imu - lidar.offset().value_or(imu)); };
     if (apart(lidar_clock_) <= most) return;
     // The first few may have waited for the recorder to start.
-    const StampClock lidar = judge_clock(reader_, lidar_ids_, kJudgedMessages);
+    const StampClock lidar = judge_clock(*reader_, lidar_ids_, kJudgedMessages);
     if (apart(lidar) <= most) return;
     const auto lie = [](TimeNs offset) {
       return fmt::format("{:.3f} s {} the times of recording", to_seconds(std::abs(offset)),
@@ -231,18 +165,17 @@ class BagSource final : public MeasurementSource {
         "former lie {}, the latter {}; those of '{}' look off: record both topics with one clock, or correct these "
         "stamps (`imu_delay` of the sensor file takes out a known offset of up to {} s); if they are right and only "
         "recorded so late, write the bag anew with them as times of recording",
-        path_.string(), imu_topic, lidar_topic, to_seconds(apart(lidar)), to_seconds(most), lie(imu),
-        lie(*lidar.offset()), std::abs(imu) > std::abs(*lidar.offset()) ? imu_topic : lidar_topic,
-        SensorConfig::kMaxDelay));
+        name_, imu_topic, lidar_topic, to_seconds(apart(lidar)), to_seconds(most), lie(imu), lie(*lidar.offset()),
+        std::abs(imu) > std::abs(*lidar.offset()) ? imu_topic : lidar_topic, SensorConfig::kMaxDelay));
   }
 
   void set_section(const Section& section) {
-    const TimeNs first = reader_.begin_time().value_or(0), last = reader_.end_time().value_or(0);
+    const TimeNs first = reader_->begin_time().value_or(0), last = reader_->end_time().value_or(0);
     end_ = begin_ + (last - first);
     if (section.start > 0) from_ = begin_ + to_ns(section.start);
     if (section.start > to_seconds(last - first)) {
-      throw DataError(fmt::format("{}: the section starts at {} s, the bag lasts {:.3f} s", path_.string(),
-                                  section.start, to_seconds(last - first)));
+      throw DataError(fmt::format("{}: the section starts at {} s, the bag lasts {:.3f} s", name_, section.start,
+                                  to_seconds(last - first)));
     }
     if (section.duration) until_ = begin_ + to_ns(section.start) + to_ns(*section.duration);
     begin_ = std::max(begin_, from_);
@@ -253,9 +186,9 @@ class BagSource final : public MeasurementSource {
     return until_ != kTimeMax && std::min(newest_imu_, newest_lidar_) > until_ + kSectionSlack;
   }
 
-  std::optional<ImuSample> imu(const BagMessage& message) {
+  std::optional<ImuSample> imu(const RawMessage& message) {
     ImuSample sample;
-    if (const std::string why = decode::decode_imu(message.bytes, sample); !why.empty()) {
+    if (const std::string why = decode::decode_imu(message, sample); !why.empty()) {
       skip("IMU", notes_.malformed_imu, why);
       return std::nullopt;
     }
@@ -271,10 +204,10 @@ class BagSource final : public MeasurementSource {
     if (const std::string why = gyro_range_.doubt(gyro_unit_); !why.empty()) warn(doubt_warning_, why);
   }
 
-  std::optional<LidarPacket> lidar(const BagMessage& message) {
+  std::optional<LidarPacket> lidar(const RawMessage& message) {
     LidarPacket packet;
     packet.sweep_id = sweeps_++;
-    if (const std::string why = decoder_->decode(message.bytes, packet); !why.empty()) {
+    if (const std::string why = decoder_->decode(message, packet); !why.empty()) {
       skip("LiDAR", notes_.malformed_lidar, why);
       return std::nullopt;
     }
@@ -307,17 +240,17 @@ class BagSource final : public MeasurementSource {
       place = notes_.warnings.size();
       notes_.warnings.emplace_back();
     }
-    notes_.warnings[*place] = fmt::format("{}: {}", path_.string(), text);
+    notes_.warnings[*place] = fmt::format("{}: {}", name_, text);
   }
 
   void add_reader_warnings() {
-    for (; reader_warnings_ < reader_.warnings().size(); ++reader_warnings_) {
-      notes_.warnings.push_back(fmt::format("{}: {}", path_.string(), reader_.warnings()[reader_warnings_]));
+    for (; reader_warnings_ < reader_->warnings().size(); ++reader_warnings_) {
+      notes_.warnings.push_back(fmt::format("{}: {}", name_, reader_->warnings()[reader_warnings_]));
     }
   }
 
-  std::filesystem::path path_;
-  BagReader reader_;
+  std::string name_;
+  std::unique_ptr<MessageReader> reader_;
   std::unique_ptr<LidarDecoder> decoder_;
   std::vector<std::uint32_t> lidar_ids_, imu_ids_;
   decode::ImuUnits units_;
@@ -339,9 +272,9 @@ class BagSource final : public MeasurementSource {
 
 }  // namespace
 
-std::unique_ptr<MeasurementSource> open_bag(const std::filesystem::path& path, const SensorConfig& sensor,
-                                            const Section& section) {
-  return std::make_unique<BagSource>(path, sensor, section);
+std::unique_ptr<MeasurementSource> open_recording(std::string name, std::unique_ptr<MessageReader> reader,
+                                                  const SensorConfig& sensor, const Section& section) {
+  return std::make_unique<RecordingSource>(std::move(name), std::move(reader), sensor, section);
 }
 
 }  // namespace aslio::io
