@@ -10,16 +10,22 @@ ASLIO_FUZZ_TARGET(cloud) {
   const unsigned choice = bytes[0];
   io::decode::CloudView view;
   bool systematic = false;
-  if (!io::decode::parse_cloud(bytes.subspan(1), view, systematic).empty()) return;
+  const io::decode::Message message(bytes.subspan(1), choice >= 128 ? io::Encoding::cdr : io::Encoding::ros1);
+  if (!io::decode::parse_cloud(message, view, systematic).empty()) return;
   io::decode::CloudRule rule;
-  rule.time = io::decode::judge_cloud_times(view, 0.1);
+  rule.time = io::decode::judge_cloud_times(view, {});
   must(rule.time.known || !rule.time.verdict.empty(), "a verdict says why times cannot be known");
   rule.tag_filter = (choice & 1U) != 0;
   rule.scan_lines = (choice & 2U) != 0 ? 128 : 4;
   if ((choice & 4U) != 0) {
     // As judged by a cloud before it.
     constexpr std::array<double, 4> kToNs = {1e9, 1e6, 1e3, 1};
-    rule.time = {true, kToNs[choice >> 4U & 3U], (choice & 8U) != 0, view.table.time.datatype, {}};
+    rule.time = {};
+    rule.time.known = true;
+    rule.time.to_ns = kToNs[choice >> 4U & 3U];
+    rule.time.absolute = (choice & 8U) != 0;
+    rule.time.own_clock = rule.time.absolute && (choice & 64U) != 0;
+    rule.time.datatype = view.table.time.datatype;
     if (!view.table.time.present()) rule.time.known = false;
   }
   LidarPacket packet;

@@ -7,9 +7,10 @@
 // One message; then what units make of its bytes as samples of six doubles. The first byte: the declared units.
 ASLIO_FUZZ_TARGET(imu) {
   if (bytes.empty()) return;
+  const io::decode::Message message(bytes.subspan(1), bytes[0] >= 128 ? io::Encoding::cdr : io::Encoding::ros1);
   ImuSample sample;
-  (void)io::decode::decode_imu(bytes.subspan(1), sample);
-  (void)io::decode::header_stamp(bytes.subspan(1));
+  (void)io::decode::decode_imu(message, sample);
+  (void)io::decode::header_stamp(message);
   io::SensorConfig sensor;
   sensor.acc_unit = static_cast<io::AccUnit>(bytes[0] % 3);
   sensor.gyro_unit = static_cast<io::GyroUnit>(bytes[0] / 3 % 3);

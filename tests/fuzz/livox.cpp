@@ -11,9 +11,10 @@ ASLIO_FUZZ_TARGET(livox) {
   rule.timed = (choice & 4U) != 0;
   rule.scan_lines = (choice & 8U) != 0 ? 256 : 4;
   rule.longest_offset = (choice & 16U) != 0 ? kTimeMax : kSecond;
+  const io::decode::Message message(bytes.subspan(1), (choice & 32U) != 0 ? io::Encoding::cdr : io::Encoding::ros1);
   LidarPacket packet;
   io::decode::LivoxFacts facts;
-  if (!io::decode::decode_livox(bytes.subspan(1), rule, packet, facts).empty()) return;
+  if (!io::decode::decode_livox(message, rule, packet, facts).empty()) return;
   must_be_returns(packet);
   must(packet.points.size() + packet.dropped_invalid == facts.present, "points are counted");
 }

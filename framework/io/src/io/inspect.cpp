@@ -12,6 +12,7 @@
 #include "imu_rate.hpp"
 #include "kitti_drive.hpp"
 #include "lidar_decoder.hpp"
+#include "recording_files.hpp"
 #include "stamp_clock.hpp"
 #include "topic_statistics.hpp"
 
@@ -131,11 +132,17 @@ class TopicProbe {
   bool is_cloud_ = false, judged_ = false;
 };
 
-void inspect_bag(const std::filesystem::path& path, const SensorConfig& sensor, InputReport& report) {
+std::uint64_t bytes_of(const std::filesystem::path& path) {
+  std::uint64_t bytes = 0;
+  for (const auto& file : find_recording_files(path).files) bytes += std::filesystem::file_size(file);
+  return bytes;
+}
+
+void inspect_recording(const std::filesystem::path& path, const SensorConfig& sensor, InputReport& report) {
   const auto opened = open_messages(path);
   MessageReader& reader = *opened;
   report.kind = reader.kind();
-  report.bytes = std::filesystem::file_size(path);
+  report.bytes = bytes_of(path);
   std::map<std::string, std::unique_ptr<TopicProbe>> probes;  // several connections may share a topic
   std::map<std::uint32_t, TopicProbe*> by_id;
   std::vector<std::uint32_t> all;
@@ -208,14 +215,13 @@ InputReport inspect(const std::filesystem::path& path, const SensorConfig& senso
   const auto drive = std::filesystem::is_directory(path, ignored) ? find_kitti_drive(path) : std::nullopt;
   if (drive) {
     inspect_drive(*drive, sensor, report);
-  } else if (!std::filesystem::is_directory(path, ignored)) {
-    inspect_bag(path, sensor, report);
+  } else {
+    inspect_recording(path, sensor, report);
   }
   try {
     open_source(path, sensor);
     report.usable = true;
   } catch (const DataError& error) {
-    if (report.kind.empty()) throw;  // neither a bag nor a drive
     report.reason = error.what();
   }
   return report;

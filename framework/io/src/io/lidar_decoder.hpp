@@ -3,6 +3,7 @@
 /// single malformed messages are skipped and counted.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "aslio/core/measurement.hpp"
@@ -21,6 +22,10 @@ class LidarDecoder {
   virtual void assume(SourceNotes& notes) = 0;
   /// Empty, or what is wrong with the message.
   virtual std::string decode(const decode::Message& message, LidarPacket& packet) = 0;
+  /// The message decoded last is of a sensor that is not wanted.
+  virtual bool skipped() const { return false; }
+  /// The header stamps are of another clock than the points: the stamp of a decoded packet counts alone.
+  virtual bool own_clock() const { return false; }
 };
 
 /// What a message is, whatever the package or distribution that it comes from.
@@ -33,8 +38,9 @@ bool is_imu(const Connection& connection);
 /// A type of a name that can be read, yet not of its checksum or encoding.
 bool is_known_name(const Connection& connection);
 
-/// For a connection of a LiDAR type. `where` names file and topic in messages.
+/// For a connection of a LiDAR type. `where` names file and topic in messages; `imu_time`: of the IMU where the
+/// recording begins, if it is known.
 std::unique_ptr<LidarDecoder> make_lidar_decoder(const Connection& connection, const SensorConfig& sensor,
-                                                 std::string where);
+                                                 std::string where, std::optional<TimeNs> imu_time = {});
 
 }  // namespace aslio::io

@@ -7,7 +7,8 @@ namespace {
 
 class MergedReader final : public MessageReader {
  public:
-  explicit MergedReader(std::vector<std::unique_ptr<MessageReader>> parts) {
+  MergedReader(std::vector<std::unique_ptr<MessageReader>> parts, std::vector<std::string> warnings)
+      : warnings_(std::move(warnings)) {
     for (auto& reader : parts) {
       Part& part = parts_.emplace_back();
       part.reader = std::move(reader);
@@ -25,7 +26,9 @@ class MergedReader final : public MessageReader {
 
   std::string kind() const override {
     const std::string first = parts_.front().reader->kind();
-    const bool alike = std::all_of(parts_.begin(), parts_.end(), [&](const Part& p) { return p.reader->kind() == first; });
+    const bool alike =
+        std::all_of(parts_.begin(), parts_.end(), [&](const Part& p) { return p.reader->kind() == first; });
+    if (parts_.size() == 1) return first;
     return std::to_string(parts_.size()) + (alike ? " parts, each a " + first : " parts of several kinds");
   }
   const std::vector<Connection>& connections() const override { return connections_; }
@@ -144,9 +147,10 @@ class MergedReader final : public MessageReader {
 
 }  // namespace
 
-std::unique_ptr<MessageReader> merge_messages(std::vector<std::unique_ptr<MessageReader>> parts) {
-  if (parts.size() == 1) return std::move(parts.front());
-  return std::make_unique<MergedReader>(std::move(parts));
+std::unique_ptr<MessageReader> merge_messages(std::vector<std::unique_ptr<MessageReader>> parts,
+                                              std::vector<std::string> warnings) {
+  if (parts.size() == 1 && warnings.empty()) return std::move(parts.front());
+  return std::make_unique<MergedReader>(std::move(parts), std::move(warnings));
 }
 
 }  // namespace aslio::io

@@ -8,26 +8,45 @@
 
 namespace aslio::io {
 
+namespace {
+
+void check(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const bool pattern = path.string().find_first_of("*?[") != std::string::npos;
+  if (!std::filesystem::exists(path, ignored) && !pattern) {
+    throw DataError(fmt::format("{}: no such file or folder", path.string()));
+  }
+}
+
+void check(const Section& section) {
+  if (section.start >= 0 && (!section.duration || *section.duration > 0)) return;
+  throw ConfigError(fmt::format("a section starts at 0 s or later and lasts longer than 0 s, not {} s for {} s",
+                                section.start, section.duration.value_or(0)));
+}
+
+}  // namespace
+
 std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
                                                const Section& section) {
+  check(path);
+  check(section);
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
-    throw DataError(fmt::format("{}: no such file or folder", path.string()));
-  if (section.start < 0 || (section.duration && *section.duration <= 0)) {
-    throw ConfigError(fmt::format("a section starts at 0 s or later and lasts longer than 0 s, not {} s for {} s",
-                                  section.start, section.duration.value_or(0)));
-  }
   if (std::filesystem::is_directory(path, ignored)) {
-    const auto drive = find_kitti_drive(path);
-    if (!drive) {
-      throw DataError(
-          fmt::format("{}: this folder holds no KITTI raw drive (velodyne_points/ and oxts/); name a bag, or a "
-                      "drive folder",
-                      path.string()));
-    }
-    return open_kitti(*drive, sensor, section);
+    if (const auto drive = find_kitti_drive(path)) return open_kitti(*drive, sensor, section);
   }
   return open_recording(path.string(), open_messages(path), sensor, section);
+}
+
+std::unique_ptr<MeasurementSource> open_source(const std::vector<std::filesystem::path>& inputs,
+                                               const SensorConfig& sensor, const Section& section) {
+  if (inputs.size() == 1) return open_source(inputs.front(), sensor, section);
+  check(section);
+  std::string name;
+  for (const auto& input : inputs) {
+    check(input);
+    name += (name.empty() ? "" : ", ") + input.string();
+  }
+  return open_recording(std::move(name), open_messages(inputs), sensor, section);
 }
 
 }  // namespace aslio::io

@@ -6,6 +6,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "imu_rate.hpp"
+#include "imu_stamps.hpp"
 #include "lidar_decoder.hpp"
 #include "stamp_clock.hpp"
 #include "topic_chooser.hpp"
@@ -26,6 +27,9 @@ class RecordingSource final : public MeasurementSource {
                   const Section& section)
       : name_(std::move(name)),
         reader_(std::move(reader)),
+        received_(sensor.times.stamps == StampKind::received),
+        sweep_period_(to_ns(sensor.model.sweep_period)),
+        lidar_offset_(to_ns(sensor.times.lidar_time_offset)),
         scan_lines_(sensor.model.scan_lines),
         gyro_unit_(sensor.gyro_unit) {
     refuse_without_message();
@@ -36,8 +40,8 @@ class RecordingSource final : public MeasurementSource {
     const auto imu = chooser.choose(kImuWords, sensor.imu_topic);
     for (const Connection& c : lidar) lidar_ids_.push_back(c.id);
     for (const Connection& c : imu) imu_ids_.push_back(c.id);
-    decoder_ = make_lidar_decoder(lidar.front(), sensor, fmt::format("{}: {}", name_, lidar.front().topic));
     judge_imu(sensor, fmt::format("{}: {}", name_, imu.front().topic));
+    decoder_ = make_lidar_decoder(lidar.front(), sensor, fmt::format("{}: {}", name_, lidar.front().topic), begin_);
     judge_lidar(lidar.front().topic);
     compare_clocks(imu.front().topic, lidar.front().topic, sensor.model.sweep_period);
     set_section(section);
@@ -48,13 +52,12 @@ class RecordingSource final : public MeasurementSource {
   }
 
   std::optional<Measurement> next() override {
+    if (auto waiting = next_sample()) return waiting;
     RawMessage message;
     while (!past_section() && reader_->next(message)) {
       const bool is_imu_message = std::find(imu_ids_.begin(), imu_ids_.end(), message.connection) != imu_ids_.end();
-      auto stamp = decode::header_stamp(message);
-      const StampClock& clock = is_imu_message ? imu_clock_ : lidar_clock_;
-      const bool ahead = stamp && clock.far_ahead(*stamp, message.time);
-      if (stamp && is_imu_message) *stamp -= units_.delay;
+      const auto stamp = stamp_of(message, is_imu_message);
+      const bool ahead = stamp && is_far_ahead(message, is_imu_message);
       TimeNs& newest = is_imu_message ? newest_imu_ : newest_lidar_;
       if (stamp && !ahead) newest = std::max(newest, *stamp);
       if (stamp && (*stamp < from_ || *stamp >= until_)) {
@@ -62,11 +65,14 @@ class RecordingSource final : public MeasurementSource {
         continue;
       }
       if (is_imu_message) {
-        if (auto sample = imu(message)) return Measurement(*sample);
+        read_imu(message);
+        if (auto sample = next_sample()) return sample;
       } else if (auto packet = lidar(message)) {
         return Measurement(std::move(*packet));
       }
     }
+    spreader_.flush(samples_);
+    if (auto last = next_sample()) return last;
     section_ended_ = until_ != kTimeMax && std::min(newest_imu_, newest_lidar_) >= until_;
     conclude();
     return std::nullopt;
@@ -85,6 +91,34 @@ class RecordingSource final : public MeasurementSource {
   std::optional<TimeNs> end_time() const override { return end_; }
 
  private:
+  /// The time of a message that counts: of its header or its recording, with the offsets of the sensor file. Nothing
+  /// for a message that is too short.
+  std::optional<TimeNs> stamp_of(const RawMessage& message, bool is_imu_message) const {
+    auto stamp = decode::header_stamp(message);
+    if (!stamp) return stamp;
+    if (is_imu_message) return (received_ ? message.time : *stamp) - units_.delay;
+    if (received_) return message.time - sweep_period_ + lidar_offset_;
+    // Only the points know: by the time of recording, on the IMU's clock.
+    if (decoder_->own_clock()) return message.time + imu_clock_.offset().value_or(0) - units_.delay;
+    return *stamp + lidar_offset_;
+  }
+
+  bool is_far_ahead(const RawMessage& message, bool is_imu_message) const {
+    if (received_ || (!is_imu_message && decoder_->own_clock())) return false;
+    const StampClock& clock = is_imu_message ? imu_clock_ : lidar_clock_;
+    return clock.far_ahead(*decode::header_stamp(message), message.time);
+  }
+
+  /// A sample that waits to be given.
+  std::optional<Measurement> next_sample() {
+    if (next_sample_ == samples_.size()) {
+      samples_.clear();
+      next_sample_ = 0;
+      return std::nullopt;
+    }
+    return Measurement(samples_[next_sample_++]);
+  }
+
   /// What is to be said where a file that is cut short lacks something: the rest may have had it. Empty for a whole
   /// one.
   std::string if_cut() const {
@@ -118,13 +152,18 @@ class RecordingSource final : public MeasurementSource {
         continue;
       }
       first = false;
+      if (received_) sample.t = message.time;
       more = beginning.add(sample, message.time);
     }
     beginning.finish();
     if (beginning.samples().empty()) fail_without(where, "IMU sample");
+    const ImuStamps stamps = judge_imu_stamps(beginning.samples(), where);
+    spreader_ = ImuSpreader(stamps.burst_period);
     units_ = decode::judge_imu_units(beginning.samples(), sensor, where);
     notes_.verdicts = units_.verdicts;
     notes_.warnings = units_.warnings;
+    if (!stamps.verdict.empty()) notes_.verdicts.push_back(stamps.verdict);
+    if (received_) notes_.verdicts.push_back("stamps: times of recording, by `stamps: received` of the sensor file");
     note_imu_rate(beginning.samples(), notes_);
     imu_clock_ = beginning.clock();
     begin_ = imu_clock_.begin() - units_.delay;
@@ -138,24 +177,34 @@ class RecordingSource final : public MeasurementSource {
     std::size_t seen = 0;
     for (; !judged && seen < kJudgedMessages && reader_->next(message); ++seen) {
       const auto stamp = decode::header_stamp(message);
-      if (seen == 0 && stamp) begin_ = std::min(begin_, lidar_clock_.begin());
+      if (seen == 0 && stamp && !received_) begin_ = std::min(begin_, lidar_clock_.begin() + lidar_offset_);
       if (stamp && lidar_clock_.far_off(*stamp, message.time)) continue;
       judged = decoder_->judge(message, notes_);
     }
     if (seen == 0) fail_without(fmt::format("{}: {}", name_, topic), "LiDAR message");
     if (!judged) decoder_->assume(notes_);
+    if (decoder_->own_clock()) begin_ = imu_clock_.begin() - units_.delay;
+    if (lidar_offset_ != 0) {
+      notes_.verdicts.push_back(fmt::format("lidar stamps: {:+.6f} s, by the lidar_time_offset of the sensor file",
+                                            to_seconds(lidar_offset_)));
+    }
   }
 
   /// Odometry with the stamps of two clocks would fail later, and not say why.
   void compare_clocks(const std::string& imu_topic, const std::string& lidar_topic, double sweep_period) {
-    if (!imu_clock_.offset()) return;
+    if (!imu_clock_.offset() || received_ || decoder_->own_clock()) return;
     const TimeNs imu = *imu_clock_.offset() - units_.delay;
     const TimeNs most = std::max(kClocksApart, to_ns(2 * sweep_period));  // a sweep is stamped when it begins
-    const auto apart = [imu](const StampClock& lidar) { return std::abs(imu - lidar.offset().value_or(imu)); };
+    const auto of_lidar = [&](const StampClock& lidar) {
+      return lidar.offset() ? *lidar.offset() + lidar_offset_ : imu;
+    };
+    const auto apart = [&](const StampClock& lidar) { return std::abs(imu - of_lidar(lidar)); };
+    warn_of_delay(imu - of_lidar(lidar_clock_), most, imu_topic, lidar_topic);
     if (apart(lidar_clock_) <= most) return;
     // The first few may have waited for the recorder to start.
     const StampClock lidar = judge_clock(*reader_, lidar_ids_, kJudgedMessages);
     if (apart(lidar) <= most) return;
+    const bool imu_off = std::abs(imu) > std::abs(of_lidar(lidar));
     const auto lie = [](TimeNs offset) {
       return fmt::format("{:.3f} s {} the times of recording", to_seconds(std::abs(offset)),
                          offset < 0 ? "before" : "after");
@@ -163,10 +212,20 @@ class RecordingSource final : public MeasurementSource {
     throw DataError(fmt::format(
         "{}: the stamps of IMU topic '{}' and of LiDAR topic '{}' are of clocks {:.3f} s apart (at most {} s): the "
         "former lie {}, the latter {}; those of '{}' look off: record both topics with one clock, or correct these "
-        "stamps (`imu_delay` of the sensor file takes out a known offset of up to {} s); if they are right and only "
-        "recorded so late, write the bag anew with them as times of recording",
-        name_, imu_topic, lidar_topic, to_seconds(apart(lidar)), to_seconds(most), lie(imu), lie(*lidar.offset()),
-        std::abs(imu) > std::abs(*lidar.offset()) ? imu_topic : lidar_topic, SensorConfig::kMaxDelay));
+        "stamps by `{}: {:.3f}` in the sensor file, or take the times of recording by `stamps: received`",
+        name_, imu_topic, lidar_topic, to_seconds(apart(lidar)), to_seconds(most), lie(imu), lie(of_lidar(lidar)),
+        imu_off ? imu_topic : lidar_topic, imu_off ? "imu_time_offset" : "lidar_time_offset",
+        to_seconds(imu_off ? of_lidar(lidar) - imu : imu - of_lidar(lidar))));
+  }
+
+  /// A part of a second is no other clock, but more than recorders delay a topic: a sweep is received at its end.
+  void warn_of_delay(TimeNs apart, TimeNs most, const std::string& imu_topic, const std::string& lidar_topic) {
+    constexpr TimeNs kUsual = kSecond / 10;
+    if (std::abs(apart) > most || std::abs(apart) <= kUsual + 2 * sweep_period_) return;
+    notes_.warnings.push_back(fmt::format(
+        "{}: by the times of recording, the stamps of '{}' and '{}' are {:.3f} s apart, where a sweep takes "
+        "{:.3f} s: are their clocks the same? `imu_time_offset` and `lidar_time_offset` correct them",
+        name_, imu_topic, lidar_topic, to_seconds(std::abs(apart)), to_seconds(sweep_period_)));
   }
 
   void set_section(const Section& section) {
@@ -186,17 +245,17 @@ class RecordingSource final : public MeasurementSource {
     return until_ != kTimeMax && std::min(newest_imu_, newest_lidar_) > until_ + kSectionSlack;
   }
 
-  std::optional<ImuSample> imu(const RawMessage& message) {
+  void read_imu(const RawMessage& message) {
     ImuSample sample;
     if (const std::string why = decode::decode_imu(message, sample); !why.empty()) {
-      skip("IMU", notes_.malformed_imu, why);
-      return std::nullopt;
+      return skip("IMU", notes_.malformed_imu, why);
     }
+    if (received_) sample.t = message.time;
     const std::uint64_t too_fast = gyro_range_.too_fast(units_);
     gyro_range_.add(sample.gyro);
     if (gyro_range_.too_fast(units_) > too_fast) warn(too_fast_warning_, gyro_range_.beyond(units_));
     units_.apply(sample);
-    return sample;
+    spreader_.add(sample, samples_);
   }
 
   /// Last, since a standstill at the beginning fits any unit.
@@ -211,10 +270,21 @@ class RecordingSource final : public MeasurementSource {
       skip("LiDAR", notes_.malformed_lidar, why);
       return std::nullopt;
     }
+    if (decoder_->skipped()) {
+      --sweeps_;
+      return std::nullopt;
+    }
+    move(packet, received_ ? *stamp_of(message, false) - packet.stamp : lidar_offset_);
     points_ += packet.points.size();
     beyond_lines_ += packet.beyond_lines;
     highest_line_ = std::max(highest_line_, packet.highest_line);
     return packet;
+  }
+
+  static void move(LidarPacket& packet, TimeNs by) {
+    if (by == 0) return;
+    packet.stamp += by;
+    for (TimedPoint& p : packet.points) p.t += by;
   }
 
   /// Lines that the sensor does not have are damage, if they are few, or those of another sensor.
@@ -251,7 +321,12 @@ class RecordingSource final : public MeasurementSource {
 
   std::string name_;
   std::unique_ptr<MessageReader> reader_;
+  bool received_;  ///< times of recording count
+  TimeNs sweep_period_, lidar_offset_;
   std::unique_ptr<LidarDecoder> decoder_;
+  ImuSpreader spreader_;
+  std::vector<ImuSample> samples_;  ///< ready to be given, from next_sample_ on
+  std::size_t next_sample_ = 0;
   std::vector<std::uint32_t> lidar_ids_, imu_ids_;
   decode::ImuUnits units_;
   StampClock imu_clock_, lidar_clock_;  ///< of the stamps as sent

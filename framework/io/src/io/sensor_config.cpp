@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "aslio/config/binder.hpp"
@@ -51,7 +53,52 @@ struct PoseBlock {
   }
 };
 
+/// Three numbers, each 1 or -1.
+void describe_signs(config::Binder& b, const std::string& key, std::array<double, 3>& signs, const std::string& text) {
+  std::vector<double> values(signs.begin(), signs.end());
+  b.reals(key, values, 3, "1", {.min = -1.0, .max = 1.0}, text);
+  const bool whole = std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) == 1; });
+  b.require(whole, key, "must be of 1 and -1 alone");
+  if (whole && values.size() == signs.size()) std::copy(values.begin(), values.end(), signs.begin());
+}
+
 }  // namespace
+
+void InputTimes::describe(config::Binder& b, InputTimes& times) {
+  b.choice(
+      "lidar_stamp", times.lidar_stamp,
+      {{"auto", LidarStamp::automatic},
+       {"start", LidarStamp::start},
+       {"middle", LidarStamp::middle},
+       {"end", LidarStamp::end}},
+      "moment of the sweep that the header stamp of a LiDAR message names; auto: the one that point times count from");
+  b.choice("point_time", times.point_time,
+           {{"auto", PointTime::automatic},
+            {"start", PointTime::start},
+            {"end", PointTime::end},
+            {"absolute", PointTime::absolute},
+            {"none", PointTime::none}},
+           "what the times of points count from; auto: by the first clouds; none: all points take the header stamp");
+  b.choice("point_time_unit", times.point_time_unit,
+           {{"auto", TimeUnit::automatic},
+            {"s", TimeUnit::s},
+            {"ms", TimeUnit::ms},
+            {"us", TimeUnit::us},
+            {"ns", TimeUnit::ns}},
+           "unit of the times of points; auto: the one in which they span a sweep");
+  b.text("point_time_field", times.point_time_field,
+         "field of a PointCloud2 with the time of a point; empty: t, time, time_stamp, timestamp, timestamps or "
+         "offset_time");
+  b.real("lidar_time_offset", times.lidar_time_offset, "s", {.min = -kMaxOffset, .max = kMaxOffset},
+         "is added to all times of the LiDAR");
+  b.real("imu_time_offset", times.imu_time_offset, "s", {.min = -kMaxOffset, .max = kMaxOffset},
+         "is added to all times of the IMU");
+  b.choice("stamps", times.stamps, {{"header", StampKind::header}, {"received", StampKind::received}},
+           "time of a message: that of its header, or that of its recording (a LiDAR message is received at the end of "
+           "its sweep)");
+  b.flag("deskewed", times.deskewed,
+         "the motion within a sweep has been taken out: all its points are of the header stamp");
+}
 
 void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   sensor.from_file = true;
@@ -66,6 +113,18 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   b.flag(
       "require_point_times", sensor.require_point_times,
       "refuse clouds whose point times cannot be known; false: all points take the header stamp, without de-skewing");
+
+  std::int64_t id = sensor.lidar_id;
+  b.integer("lidar_id", id, "1", {.min = -1, .max = 255},
+            "Livox sensor to take from a topic that carries several; -1: the topic carries one");
+  sensor.lidar_id = static_cast<int>(id);
+  b.text("lidar_frame", sensor.lidar_frame,
+         "frame_id of the PointCloud2 to take from a topic that carries several; empty: the topic carries one");
+  InputTimes::describe(b, sensor.times);
+  describe_signs(b, "gyro_signs", sensor.gyro_signs, "sign of each gyroscope axis; -1 where a driver turns it round");
+  describe_signs(
+      b, "acc_signs", sensor.acc_signs,
+      "sign of each accelerometer axis; all -1 for a driver that reports gravity in place of specific force");
 
   SensorModel& model = sensor.model;
   PoseBlock extrinsic(model.T_imu_lidar);

@@ -55,11 +55,18 @@ class MessageReader {
   virtual const std::vector<std::string>& warnings() const = 0;
 };
 
-/// Opens a recording by its first bytes, not by its name. Throws DataError naming file, what it is, and the remedy.
-std::unique_ptr<MessageReader> open_messages(const std::filesystem::path& path);
+/// Opens a recording: a file (by its first bytes, not by its name), a folder of its parts, or a pattern with `*`. A
+/// file that has to be decompressed as a whole goes to a hidden file in `scratch` (empty: the folder of temporary
+/// files). Throws DataError naming file, what it is, and the remedy.
+std::unique_ptr<MessageReader> open_messages(const std::filesystem::path& input,
+                                             const std::filesystem::path& scratch = {});
+/// Several inputs as one recording: parts of a run, a file per sensor.
+std::unique_ptr<MessageReader> open_messages(std::span<const std::filesystem::path> inputs,
+                                             const std::filesystem::path& scratch = {});
 
-/// Several recordings as one, in the order of record time; at equal times in the order given. Connections are numbered
-/// anew. Pre: at least one.
-std::unique_ptr<MessageReader> merge_messages(std::vector<std::unique_ptr<MessageReader>> parts);
+/// Several recordings as one, in the order of record time; at equal times in the order given. Connections get new
+/// numbers. Pre: at least one.
+std::unique_ptr<MessageReader> merge_messages(std::vector<std::unique_ptr<MessageReader>> parts,
+                                              std::vector<std::string> warnings = {});
 
 }  // namespace aslio::io

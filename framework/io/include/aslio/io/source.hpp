@@ -1,6 +1,7 @@
 #pragma once
 /// Where measurements come from: bags and folders, pulled in the order of recording. Data time is the only clock.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -20,6 +21,28 @@ namespace aslio::io {
 enum class AccUnit : std::uint8_t { automatic, g, mps2 };
 enum class GyroUnit : std::uint8_t { automatic, rad_s, deg_s };
 
+/// What the times of points count from; automatic: judged by the first clouds.
+enum class PointTime : std::uint8_t { automatic, start, end, absolute, none };
+/// What the header stamp of a LiDAR message is of; automatic: what the point times count from.
+enum class LidarStamp : std::uint8_t { automatic, start, middle, end };
+enum class TimeUnit : std::uint8_t { automatic, s, ms, us, ns };
+/// Which time of a message counts.
+enum class StampKind : std::uint8_t { header, received };
+
+/// How the times of a recording of messages are read.
+struct InputTimes {
+  PointTime point_time = PointTime::automatic;
+  LidarStamp lidar_stamp = LidarStamp::automatic;
+  TimeUnit point_time_unit = TimeUnit::automatic;
+  std::string point_time_field;                       ///< of a PointCloud2; empty: the one of a known name
+  double lidar_time_offset = 0, imu_time_offset = 0;  ///< added to all times of the sensor [s]
+  StampKind stamps = StampKind::header;
+  bool deskewed = false;                     ///< motion within a sweep has been taken out already
+  static constexpr double kMaxOffset = 4e9;  ///< [s]: an uptime against an epoch
+
+  static void describe(config::Binder& b, InputTimes& times);
+};
+
 /// A sensor file (`schema: aslio/sensor/1`). Directions stand in the key names: T_imu_lidar maps p_L to p_I.
 struct SensorConfig {
   static constexpr double kMaxSensitivity = 0.2, kMaxDelay = 1.0;  ///< larger entries, and delays [s], are mistakes
@@ -28,10 +51,14 @@ struct SensorConfig {
   GyroUnit gyro_unit = GyroUnit::automatic;
   bool livox_tag_filter = true;     ///< keep (tag & 0x30) in {0x00, 0x10} (first or strongest return)
   bool require_point_times = true;  ///< refuse clouds whose per-point time cannot be known
+  int lidar_id = -1;        ///< the only one that is taken from a topic of several Livox sensors; -1: all are one
+  std::string lidar_frame;  ///< the same of PointCloud2, by frame_id; empty: all are one
+  InputTimes times;
   SensorModel model;
   // What is known of the IMU beforehand (docs/equations.md MOT-11): taken out of every sample that is read.
-  Mat3 gyro_sensitivity = Mat3::Zero();  ///< S: the gyro measures (I + S) w and a bias
-  double imu_delay = 0;                  ///< a sample tells of the motion this long before its stamp [s]
+  Mat3 gyro_sensitivity = Mat3::Zero();                           ///< S: the gyro measures (I + S) w and a bias
+  std::array<double, 3> gyro_signs{1, 1, 1}, acc_signs{1, 1, 1};  ///< -1: the axis points the other way
+  double imu_delay = 0;    ///< a sample tells of the motion this long before its stamp [s]
   bool from_file = false;  ///< a sensor file was read: its extrinsic is meant, also where it is the identity
 
   static void describe(config::Binder& b, SensorConfig& sensor);
@@ -70,10 +97,15 @@ struct Section {
   std::optional<double> duration;
 };
 
-/// Opens a ROS1 bag file, or a KITTI raw drive folder, by what it is. Checks topics and types at once; throws DataError
-/// that names the file, what was found and the remedy; a pipe or device is refused without being opened.
+/// Opens a recording of messages (a bag, a rosbag2 database, a folder or pattern of parts) or a KITTI raw drive, by
+/// what it is. Checks topics and types at once; throws DataError that names the file, what was found and the remedy; a
+/// pipe or device is refused without being opened.
 std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
                                                const Section& section = {});
+
+/// Several recordings of messages as one: parts of a run, a file per sensor.
+std::unique_ptr<MeasurementSource> open_source(const std::vector<std::filesystem::path>& inputs,
+                                               const SensorConfig& sensor, const Section& section = {});
 
 /// SHA-256 of a file, or of the names and contents of a folder's data files; hex.
 std::string input_digest(const std::filesystem::path& path);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -13,43 +14,54 @@
 namespace aslio::io::decode {
 namespace {
 
-constexpr std::array<std::uint32_t, 9> kSizes{0, 1, 1, 2, 2, 4, 4, 4, 8};
-constexpr std::array<std::string_view, 9> kNames{"",      "int8",   "uint8",   "int16",  "uint16",
-                                                 "int32", "uint32", "float32", "float64"};
+/// Datatypes 1 to 11 of sensor_msgs/PointField; 9 to 11 came with ROS2.
+constexpr std::array<std::uint32_t, 12> kSizes{0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8, 1};
+constexpr std::array<std::string_view, 12> kNames{"",       "int8",    "uint8",   "int16", "uint16", "int32",
+                                                  "uint32", "float32", "float64", "int64", "uint64", "bool"};
 constexpr std::array<std::string_view, 6> kTimeNames{"t",         "time",       "time_stamp",
                                                      "timestamp", "timestamps", "offset_time"};
 constexpr std::uint32_t kMaxFields = 256;
 constexpr std::uint64_t kMaxPoints = 1U << 26U;
 
 template <class T>
-double as_double(const std::uint8_t* from) {
-  T value;
-  std::memcpy(&value, from, sizeof(T));
-  return static_cast<double>(value);
+double as_double(const std::uint8_t* from, bool swapped) {
+  return static_cast<double>(load<T>(from, swapped));
 }
 
 double scalar(const std::uint8_t* point, const CloudField& field) {
   const std::uint8_t* from = point + field.offset;
   switch (field.datatype) {
     case 1:
-      return as_double<std::int8_t>(from);
+      return as_double<std::int8_t>(from, false);
     case 2:
-      return as_double<std::uint8_t>(from);
+    case 11:
+      return as_double<std::uint8_t>(from, false);
     case 3:
-      return as_double<std::int16_t>(from);
+      return as_double<std::int16_t>(from, field.swapped);
     case 4:
-      return as_double<std::uint16_t>(from);
+      return as_double<std::uint16_t>(from, field.swapped);
     case 5:
-      return as_double<std::int32_t>(from);
+      return as_double<std::int32_t>(from, field.swapped);
     case 6:
-      return as_double<std::uint32_t>(from);
+      return as_double<std::uint32_t>(from, field.swapped);
     case 7:
-      return as_double<float>(from);
+      return as_double<float>(from, field.swapped);
     case 8:
-      return as_double<double>(from);
+      return as_double<double>(from, field.swapped);
+    case 9:
+      return as_double<std::int64_t>(from, field.swapped);
+    case 10:
+      return as_double<std::uint64_t>(from, field.swapped);
     default:
       return 0;
   }
+}
+
+/// A time in ns as it stands in the field: an epoch in a double is rounded to 256 ns. Pre: an integer of 64 bits.
+TimeNs whole_ns(const std::uint8_t* point, const CloudField& field, double to_ns) {
+  const auto value = load<std::int64_t>(point + field.offset, field.swapped);
+  const auto factor = static_cast<TimeNs>(to_ns);
+  return value > kTimeMax / factor || value < kTimeMin / factor ? kTimeMax : value * factor;
 }
 
 /// value * to_ns without the rounding of an epoch in ns to the 256 ns of a double. Pre: the product fits 63 bits.
@@ -70,7 +82,7 @@ std::array<float, 3> position(const std::uint8_t* point, const CloudTable& table
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const CloudField& field = table.xyz[axis];
     if (field.datatype == 7) {
-      std::memcpy(&p[axis], point + field.offset, 4);
+      p[axis] = load<float>(point + field.offset, field.swapped);
     } else {
       const double value = scalar(point, field);
       p[axis] = std::abs(value) < double{kFarthest} ? static_cast<float>(value) : kFarthest;
@@ -79,26 +91,39 @@ std::array<float, 3> position(const std::uint8_t* point, const CloudTable& table
   return p;
 }
 
-void place(std::string_view name, const CloudField& field, CloudTable& table) {
+bool speaks_of_time(std::string_view name) {
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  return lower.find("time") != std::string::npos || lower.find("stamp") != std::string::npos;
+}
+
+bool is_ring(std::string_view name) {
+  constexpr std::array<std::string_view, 6> kNames{"ring", "line", "channel", "laser_id", "laser_number", "ring_id"};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+}
+
+void place(std::string_view name, const CloudField& field, std::string_view time_field, CloudTable& table) {
   constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (name == kAxes[axis] && field.datatype >= 7) table.xyz[axis] = field;
+    if (name == kAxes[axis] && (field.datatype == 7 || field.datatype == 8)) table.xyz[axis] = field;
   }
   if (name == "intensity" || (name == "reflectivity" && !table.intensity.present())) table.intensity = field;
-  if (name == "ring" || name == "line") {
+  if (is_ring(name) && (!table.ring.present() || name == "ring" || name == "line")) {
     table.ring = field;
     table.livox_lines = name == "line";
   }
   if (name == "tag" && field.datatype == 2) table.tag = field;
-  if (!table.time.present() && std::find(kTimeNames.begin(), kTimeNames.end(), name) != kTimeNames.end()) {
+  const bool known = std::find(kTimeNames.begin(), kTimeNames.end(), name) != kTimeNames.end();
+  if (time_field.empty() ? known && !table.time.present() : name == time_field) {
     table.time = field;
     table.time_name = name;
+  } else if (table.time_like.empty() && speaks_of_time(name)) {
+    table.time_like = std::string(name).substr(0, 32);
   }
-  table.all_names += fmt::format("{}{} {}", table.all_names.empty() ? "" : ", ", std::string_view(name).substr(0, 32),
-                                 kNames[field.datatype]);
 }
 
-std::string parse_fields(Wire& wire, std::uint32_t count, CloudTable& table, std::uint64_t& extent) {
+std::string parse_fields(Wire& wire, std::uint32_t count, std::string_view time_field, CloudTable& table,
+                         std::uint64_t& extent) {
   if (count > kMaxFields) return fmt::format("it claims {} fields (at most {})", count, kMaxFields);
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name(wire.text());
@@ -108,20 +133,17 @@ std::string parse_fields(Wire& wire, std::uint32_t count, CloudTable& table, std
     const std::uint8_t datatype = wire.get<std::uint8_t>();
     const std::uint32_t repeat = wire.get<std::uint32_t>();
     if (!wire.ok()) return "the message ends inside its field table";
-    if (datatype == 0 || datatype > 8) {
-      return fmt::format("field '{}' has the unknown datatype {}", name.substr(0, 32), datatype);
-    }
+    // A type that came later is no harm in a field that nobody needs.
+    const bool known = datatype > 0 && datatype < kSizes.size();
+    table.all_names += fmt::format("{}{} {}", table.all_names.empty() ? "" : ", ", std::string_view(name).substr(0, 32),
+                                   known ? std::string(kNames[datatype]) : fmt::format("of datatype {}", datatype));
+    if (!known) continue;
     const std::uint64_t bytes = std::uint64_t{kSizes[datatype]} * std::max<std::uint32_t>(repeat, 1);
     extent = std::max(extent, offset + bytes);
-    if (repeat <= 1) place(name, {offset, datatype}, table);
+    if (repeat <= 1) place(name, {offset, datatype}, time_field, table);
   }
   return {};
 }
-
-struct Extent {
-  double low = 0, high = 0;
-  std::size_t count = 0;
-};
 
 template <class Visit>
 void each_point(const CloudView& view, Visit&& visit) {
@@ -132,35 +154,45 @@ void each_point(const CloudView& view, Visit&& visit) {
   }
 }
 
-/// Of all returns, and of their middle nine tenths, which damage of a few leaves alone.
-std::array<Extent, 2> time_extents(const CloudView& view) {
-  std::vector<double> times;
-  each_point(view, [&](const std::uint8_t* point) {
-    const auto p = position(point, view.table);
-    const double t = scalar(point, view.table.time);
-    if (is_return(p[0], p[1], p[2]) && std::isfinite(t)) times.push_back(t);
-  });
-  if (times.empty()) return {};
-  std::sort(times.begin(), times.end());
-  const std::size_t rim = times.size() / 20;
-  return {Extent{times.front(), times.back(), times.size()},
-          Extent{times[rim], times[times.size() - 1 - rim], times.size()}};
+/// Checks the size of the data against the table. Drivers compute the row step wrongly, while the rows are dense: then
+/// the data are as long as the points need.
+std::string judge_rows(CloudView& view, std::uint64_t points) {
+  const std::uint64_t row = std::uint64_t{view.width} * view.point_step;
+  if (view.data.size() == points * view.point_step && view.row_step != row) {
+    view.row_step_wrong = view.height > 1;
+    view.row_step = static_cast<std::uint32_t>(row);
+  }
+  if (row > view.row_step && view.height > 1) {
+    return fmt::format("a row of {} points of {} bytes does not fit a row step of {}", view.width, view.point_step,
+                       view.row_step);
+  }
+  const std::uint64_t needed = std::uint64_t{view.row_step} * (view.height - 1) + row;
+  if (needed <= view.data.size()) return {};
+  return fmt::format("its {} points need {} bytes, {} are there", points, needed, view.data.size());
 }
 
-// Units differ by 1000, the admissible spans by 30: at most one unit fits.
-struct Unit {
-  std::string_view name;
-  double seconds, to_ns;
-};
-constexpr std::array<Unit, 4> kUnits{{{"s", 1, 1e9}, {"ms", 1e-3, 1e6}, {"us", 1e-6, 1e3}, {"ns", 1e-9, 1}}};
+void swap_fields(CloudTable& table) {
+  for (CloudField* field :
+       {&table.xyz[0], &table.xyz[1], &table.xyz[2], &table.intensity, &table.ring, &table.tag, &table.time}) {
+    field->swapped = true;
+  }
+}
 
-/// nullptr: none in which such a span is that of a sweep.
-const Unit* unit_of(double span, double sweep_period) {
-  const auto fits = [&](const Unit& unit) {
-    return span * unit.seconds > 0.1 * sweep_period && span * unit.seconds < 3.0 * sweep_period;
+/// Simulators set the flag of big-endian data and send little-endian ones: values that could be ranges decide.
+bool more_plausible_swapped(const CloudView& view) {
+  CloudTable swapped = view.table;
+  swap_fields(swapped);
+  std::ptrdiff_t balance = 0;
+  const auto plausible = [](const std::array<float, 3>& p) {
+    constexpr float kNearest = 1e-3F, kFarPoint = 1e3F;
+    const float largest = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+    return largest > kNearest && largest < kFarPoint;  // false for what is not finite
   };
-  const auto found = std::find_if(kUnits.begin(), kUnits.end(), fits);
-  return found == kUnits.end() ? nullptr : &*found;
+  each_point(view, [&](const std::uint8_t* point) {
+    balance += plausible(position(point, swapped)) ? 1 : 0;
+    balance -= plausible(position(point, view.table)) ? 1 : 0;
+  });
+  return balance > 0;
 }
 
 /// Why a known rule does not serve for a cloud; empty where it does. One without points has no time to lose.
@@ -176,24 +208,22 @@ std::string unlike(const CloudView& view, const CloudTimeRule& rule) {
 
 }  // namespace
 
-std::string parse_cloud(const Message& message, CloudView& view, bool& systematic) {
+std::string parse_cloud(const Message& message, CloudView& view, bool& systematic, std::string_view time_field) {
   Wire wire(message);
   view = CloudView{};
   systematic = false;
   view.stamp = wire.header();
+  view.frame = wire.frame();
   view.height = wire.get<std::uint32_t>();
   view.width = wire.get<std::uint32_t>();
   std::uint64_t extent = 0;
-  if (std::string why = parse_fields(wire, wire.get<std::uint32_t>(), view.table, extent); !why.empty()) return why;
-  const bool big_endian = wire.get<std::uint8_t>() != 0;
+  if (std::string why = parse_fields(wire, wire.get<std::uint32_t>(), time_field, view.table, extent); !why.empty())
+    return why;
+  view.flagged_big_endian = wire.get<std::uint8_t>() != 0;
   view.point_step = wire.get<std::uint32_t>();
   view.row_step = wire.get<std::uint32_t>();
   view.data = wire.take(wire.get<std::uint32_t>());
   if (!wire.ok()) return wire.problem("a PointCloud2 of its size");
-  if (big_endian) {
-    systematic = true;
-    return "it is flagged big-endian, which no known driver sends; convert the bag";
-  }
   for (const CloudField& field : view.table.xyz) {
     if (field.present()) continue;
     systematic = true;
@@ -206,62 +236,25 @@ std::string parse_cloud(const Message& message, CloudView& view, bool& systemati
   const std::uint64_t points = std::uint64_t{view.width} * view.height;
   if (points > kMaxPoints) return fmt::format("it claims {} x {} points", view.width, view.height);
   if (points == 0) return {};
-  if (std::uint64_t{view.width} * view.point_step > view.row_step && view.height > 1) {
-    return fmt::format("a row of {} points of {} bytes does not fit a row step of {}", view.width, view.point_step,
-                       view.row_step);
-  }
-  const std::uint64_t needed =
-      std::uint64_t{view.row_step} * (view.height - 1) + std::uint64_t{view.width} * view.point_step;
-  if (needed > view.data.size()) {
-    return fmt::format("its {} points need {} bytes, {} are there", points, needed, view.data.size());
-  }
+  if (std::string why = judge_rows(view, points); !why.empty()) return why;
+  if (view.flagged_big_endian && more_plausible_swapped(view)) swap_fields(view.table);
   return {};
 }
 
-CloudTimeRule judge_cloud_times(const CloudView& view, double sweep_period) {
-  CloudTimeRule rule;
-  const CloudTable& table = view.table;
-  if (!table.time.present()) {
-    rule.verdict = fmt::format(
-        "there is no time field (t, time, time_stamp, timestamp, timestamps, offset_time) among: {}", table.all_names);
-    return rule;
-  }
-  const auto [all, middle] = time_extents(view);
-  const std::string field = fmt::format("field '{}' ({})", table.time_name, kNames[table.time.datatype]);
-  const double span = all.high - all.low;
-  if (span <= 0) {
-    rule.verdict = fmt::format("{} is {} in all {} points", field, all.low, all.count);
-    return rule;
-  }
-  // A few damaged times may make the span that of a sweep in another unit.
-  const Unit* unit = unit_of(middle.high - middle.low, sweep_period);
-  const Extent& extent = unit == nullptr || unit_of(span, sweep_period) == unit ? all : middle;
-  if (unit == nullptr) unit = unit_of(span, sweep_period);
-  if (unit == nullptr) {
-    rule.verdict =
-        fmt::format("{} spans {:.6g}, which is a sweep of {} s in none of s, ms, us, ns", field, span, sweep_period);
-    return rule;
-  }
-  const double low = extent.low * unit->seconds, high = extent.high * unit->seconds, stamp = to_seconds(view.stamp);
-  const double relative = std::min(std::abs(low), std::abs(high));
-  const double absolute = std::min(std::abs(low - stamp), std::abs(high - stamp));
-  if (std::min(relative, absolute) > 1.5 * sweep_period) {
-    rule.verdict = fmt::format(
-        "{} runs from {:.6f} to {:.6f} s: neither near 0 nor near the header stamp {:.6f} s; "
-        "the clocks of driver and sensor differ",
-        field, low, high, stamp);
-    return rule;
-  }
-  rule.known = true;
-  rule.datatype = table.time.datatype;
-  rule.to_ns = unit->to_ns;
-  rule.absolute = absolute < relative;
-  const double shift = rule.absolute ? stamp : 0.0;
-  const bool last = high - shift < 0.3 * sweep_period && low - shift < -0.3 * sweep_period;
-  rule.verdict = fmt::format("{}, {}, {} ({:.6f} to {:.6f} s from the header stamp{})", field, unit->name,
-                             rule.absolute ? "absolute" : "relative to the header stamp", low - shift, high - shift,
-                             last ? ", which is of the last packet" : "");
-  return rule;
+std::string_view cloud_datatype_name(std::uint8_t datatype) { return kNames.at(datatype); }
+
+std::array<CloudTimeExtent, 2> cloud_time_extents(const CloudView& view) {
+  std::vector<double> times;
+  each_point(view, [&](const std::uint8_t* point) {
+    const auto p = position(point, view.table);
+    const double t = scalar(point, view.table.time);
+    if (is_return(p[0], p[1], p[2]) && std::isfinite(t)) times.push_back(t);
+  });
+  if (times.empty()) return {};
+  std::sort(times.begin(), times.end());
+  const std::size_t rim = times.size() / 20;  // damage of a few leaves the middle nine tenths alone
+  return {CloudTimeExtent{times.front(), times.back(), times.size()},
+          CloudTimeExtent{times[rim], times[times.size() - 1 - rim], times.size()}};
 }
 
 std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPacket& packet) {
@@ -269,6 +262,15 @@ std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPack
   const bool timed = rule.time.known;
   const bool filter_tags = rule.tag_filter && table.tag.present() && table.livox_lines;
   const double longest = static_cast<double>(rule.longest_offset);
+  const TimeNs base = view.stamp + rule.time.shift;
+  const bool whole = table.time.datatype == 9 || table.time.datatype == 10;
+  const auto absolute_ns = [&](const std::uint8_t* from, double value) {
+    return whole ? whole_ns(from, table.time, rule.time.to_ns) : exact_ns(value, rule.time.to_ns);
+  };
+  constexpr double kLatest = 9e18;  // [ns] fits 63 bits
+  // Where the header is of another clock, times lie near that of the first return.
+  TimeNs origin = view.stamp;
+  bool origin_known = !rule.time.own_clock;
   packet.stamp = view.stamp;
   packet.points.clear();
   if (std::string why = unlike(view, rule.time); !why.empty()) return why;
@@ -290,10 +292,14 @@ std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPack
     point.t = view.stamp;
     if (timed) {
       const double value = scalar(from, table.time);
-      const double offset = value * rule.time.to_ns - (rule.time.absolute ? static_cast<double>(view.stamp) : 0.0);
+      if (!origin_known && std::abs(value * rule.time.to_ns) < kLatest) {
+        origin = absolute_ns(from, value);
+        origin_known = true;
+      }
+      const double offset = value * rule.time.to_ns - (rule.time.absolute ? static_cast<double>(origin) : 0.0);
       if (!(std::abs(offset) <= longest)) return;
       if (beyond) return note_beyond(point.line);
-      point.t = rule.time.absolute ? exact_ns(value, rule.time.to_ns) : view.stamp + std::llround(offset);
+      point.t = rule.time.absolute ? absolute_ns(from, value) : base + std::llround(offset);
       first = std::min(first, point.t);
       last = std::max(last, point.t);
     }
@@ -305,6 +311,7 @@ std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPack
     point.sweep_id = packet.sweep_id;
     packet.points.push_back(point);
   });
+  if (timed) packet.stamp = origin;
   packet.dropped_invalid = static_cast<std::size_t>(view.width) * view.height - packet.points.size();
   constexpr std::size_t kSomePoints = 16;
   if (timed && first == last && packet.points.size() > kSomePoints) {

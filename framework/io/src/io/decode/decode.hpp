@@ -44,9 +44,11 @@ std::string decode_imu(const Message& message, ImuSample& sample);
 
 /// How the times of a Livox CustomMsg are read.
 struct LivoxRule {
+  int lidar_id = -1;  ///< of the only sensor that is taken; -1: any
   bool tag_filter = true;
   int scan_lines = 6;
   TimeNs longest_offset = kSecond;  ///< larger offsets are damage
+  TimeNs shift = 0;                 ///< from what offsets are sent from to what they count from [ns]
   bool from_header = false;         ///< offsets count from the header stamp, since the time base is another clock
   bool timed = true;                ///< false: offsets mean nothing, all points are at the time they count from
 };
@@ -64,15 +66,16 @@ std::string decode_livox(const Message& message, const LivoxRule& rule, LidarPac
 /// MOT-11).
 struct ImuUnits {
   double acc = 1, gyro = 1;
-  std::optional<Mat3> without_sensitivity;  ///< (I + S)^-1; nothing where S is zero
-  TimeNs delay = 0;                         ///< what stamps are moved back by [ns]
-  double gyro_range = 0;                    ///< as the sensor file declares it [rad/s]; 0: unknown
+  std::optional<Mat3> without_sensitivity;                   ///< (I + S)^-1; nothing where S is zero
+  TimeNs delay = 0;                                          ///< what stamps are moved back by [ns]
+  Vec3 gyro_signs = Vec3::Ones(), acc_signs = Vec3::Ones();  ///< of the axes, as sent
+  double gyro_range = 0;                                     ///< as the sensor file declares it [rad/s]; 0: unknown
   std::vector<std::string> verdicts, warnings;
 
   /// From a sample as sent to SI, without what is known. One of which nothing is known stays as it is, to the bit.
   void apply(ImuSample& sample) const {
-    sample.acc *= acc;
-    sample.gyro *= gyro;
+    sample.acc = (acc * sample.acc).cwiseProduct(acc_signs);
+    sample.gyro = (gyro * sample.gyro).cwiseProduct(gyro_signs);
     for (int i = 0; without_sensitivity && i < 3; ++i) {  // which moves readings from the end of the range
       constexpr double kAtEnd = 0.99;
       const bool clipped = gyro_range > 0 && std::abs(sample.gyro[i]) >= kAtEnd * gyro_range;

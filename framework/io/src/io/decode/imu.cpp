@@ -102,10 +102,19 @@ void take_calibration(const SensorConfig& sensor, ImuUnits& units) {
                     100 * sensor.gyro_sensitivity.diagonal().cwiseAbs().maxCoeff(), 100 * cross.cwiseAbs().maxCoeff()));
   }
   units.delay = to_ns(sensor.imu_delay);
+  for (std::size_t i = 0; i < 3; ++i) {
+    units.gyro_signs[static_cast<int>(i)] = sensor.gyro_signs[i];
+    units.acc_signs[static_cast<int>(i)] = sensor.acc_signs[i];
+  }
   if (units.delay != 0) {
     units.verdicts.push_back(fmt::format("imu stamps: {:.3f} ms {} than sent, by the imu_delay of the sensor file",
                                          1e3 * std::abs(to_seconds(units.delay)),
                                          units.delay > 0 ? "earlier" : "later"));
+  }
+  if (sensor.times.imu_time_offset != 0) {
+    units.delay -= to_ns(sensor.times.imu_time_offset);
+    units.verdicts.push_back(
+        fmt::format("imu stamps: {:+.6f} s, by the imu_time_offset of the sensor file", sensor.times.imu_time_offset));
   }
 }
 

@@ -35,11 +35,15 @@ std::string decode_livox(const Message& message, const LivoxRule& rule, LidarPac
   }
   facts.timebase = static_cast<TimeNs>(std::min(timebase, static_cast<std::uint64_t>(kTimeMax)));
   facts.present = count;
-  const TimeNs base = rule.from_header ? packet.stamp : facts.timebase;
+  const TimeNs base = (rule.from_header ? packet.stamp : facts.timebase) + rule.shift;
   const std::uint8_t* from = wire.take(bytes).data();
   const bool swapped = wire.swapped();
   packet.points.clear();
   packet.beyond_lines = 0;
+  if (rule.lidar_id >= 0 && facts.lidar_id != rule.lidar_id) {
+    packet.dropped_invalid = 0;
+    return {};
+  }
   packet.points.reserve(count);
   const std::uint32_t longest = static_cast<std::uint32_t>(std::min<TimeNs>(rule.longest_offset, 0xFFFFFFFF));
   const int lines = std::min(rule.scan_lines, 256);

@@ -179,6 +179,14 @@ std::uint32_t BagWriter::add_connection(const std::string& topic, const std::str
   return static_cast<std::uint32_t>(impl_->connections.size() - 1);
 }
 
+std::uint32_t BagWriter::add(const Connection& connection) {
+  if (connection.encoding != Encoding::ros1) {
+    throw DataError(fmt::format("{}: a ROS1 bag carries ROS1 messages, and those of {} are none",
+                                impl_->file.path().string(), connection.topic));
+  }
+  return add_connection(connection.topic, connection.type, connection.md5, connection.definition);
+}
+
 void BagWriter::write(std::uint32_t connection, TimeNs time, std::span<const std::uint8_t> bytes) {
   Impl& w = *impl_;
   constexpr TimeNs kLastTime = (TimeNs{1} << 32) * kSecond - 1;

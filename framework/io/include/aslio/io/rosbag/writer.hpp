@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "aslio/core/time.hpp"
+#include "aslio/io/message_writer.hpp"
 
 namespace aslio::io::rosbag {
 
@@ -19,21 +19,21 @@ struct WriterOptions {
   bool index = true;                       ///< false: as a recorder leaves a bag it could not close
 };
 
-class BagWriter {
+class BagWriter final : public MessageWriter {
  public:
   /// The bag appears under `path` at close(). Throws DataError that names the path when it cannot be written.
   explicit BagWriter(const std::filesystem::path& path, WriterOptions options = {});
-  ~BagWriter();
+  ~BagWriter() override;
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
   /// `definition` is the full message text as in `rosmsg show --raw`, with its dependencies.
   std::uint32_t add_connection(const std::string& topic, const std::string& type, const std::string& md5,
                                const std::string& definition);
-  /// `time` is the record time [ns], 0 or later; `bytes` the message in ROS1 serialisation.
-  void write(std::uint32_t connection, TimeNs time, std::span<const std::uint8_t> bytes);
-  /// Without it the destructor removes the unfinished file.
-  void close();
+  /// Of a message in ROS1 serialisation.
+  std::uint32_t add(const Connection& connection) override;
+  void write(std::uint32_t connection, TimeNs time, std::span<const std::uint8_t> bytes) override;
+  void close() override;
 
  private:
   struct Impl;

@@ -1,0 +1,24 @@
+#pragma once
+/// ROS1 messages as ROS2 stores them, and copies of recordings.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "aslio/io/message_writer.hpp"
+
+namespace aslio::io {
+
+/// package/Name -> package/msg/Name; a name of ROS2 stays as it is.
+std::string ros2_type(const std::string& type);
+
+/// Serialises an Imu, PointCloud2 or Livox CustomMsg of ROS1 as plain CDR, little-endian. All values stay; `seq` of the
+/// header goes, as ROS2 has none. Empty text, or why the message cannot be converted.
+std::string to_cdr(const Connection& ros1, std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out);
+
+/// Copies all messages in their order; those of ROS1 become CDR where `encoding` says so. Connections of a type that
+/// cannot be converted are left out. Does not close the writer. Returns the topics that were left out.
+std::vector<std::string> copy_messages(MessageReader& from, MessageWriter& to, Encoding encoding);
+
+}  // namespace aslio::io
