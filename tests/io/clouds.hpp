@@ -11,7 +11,8 @@
 namespace aslio::io::test {
 
 inline constexpr int kPoints = 50;
-inline constexpr std::uint8_t kU8 = 2, kU16 = 4, kI32 = 5, kU32 = 6, kF32 = 7, kF64 = 8, kI64 = 9, kU64 = 10, kBool = 11;
+inline constexpr std::uint8_t kU8 = 2, kU16 = 4, kI32 = 5, kU32 = 6, kF32 = 7, kF64 = 8, kI64 = 9, kU64 = 10,
+                              kBool = 11;
 
 struct Cloud {
   rosbag::CloudLayout layout;

@@ -16,8 +16,8 @@ std::vector<std::string> measurements(MeasurementSource& source) {
   std::vector<std::string> all;
   while (const auto measurement = source.next()) {
     if (const auto* imu = std::get_if<ImuSample>(&*measurement)) {
-      all.push_back(fmt::format("imu {} {:a} {:a} {:a} {:a} {:a} {:a}", imu->t, imu->gyro.x(), imu->gyro.y(), imu->gyro.z(),
-                                imu->acc.x(), imu->acc.y(), imu->acc.z()));
+      all.push_back(fmt::format("imu {} {:a} {:a} {:a} {:a} {:a} {:a}", imu->t, imu->gyro.x(), imu->gyro.y(),
+                                imu->gyro.z(), imu->acc.x(), imu->acc.y(), imu->acc.z()));
       continue;
     }
     const auto& packet = std::get<LidarPacket>(*measurement);

@@ -84,7 +84,8 @@ TEST_CASE("the byte order of a cloud is that of its values, whatever the flag sa
                                  Cloud c = usual();
                                  c.layout.is_bigendian = true;
                                  for (int i = 0; i < kPoints && truly; ++i) {
-                                   std::uint8_t* point = c.data.data() + static_cast<std::size_t>(i) * c.layout.point_step;
+                                   std::uint8_t* point =
+                                       c.data.data() + static_cast<std::size_t>(i) * c.layout.point_step;
                                    for (const int at : {0, 4, 8, 12, 18}) std::reverse(point + at, point + at + 4);
                                    std::reverse(point + 16, point + 18);
                                  }

@@ -112,7 +112,8 @@ TEST_CASE("messages come by time, whatever the order of the rows") {
 TEST_CASE("old schemas, an empty serialisation format and no message are read") {
   TemporaryFolder folder;
   const std::string tables =
-      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT NOT "
+      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT "
+      "NOT "
       "NULL);CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data "
       "BLOB NOT NULL);";
   run_sql(folder / "old.db3", tables + "INSERT INTO topics VALUES (7, '/imu', 'sensor_msgs/msg/Imu', '')");

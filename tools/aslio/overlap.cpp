@@ -34,7 +34,7 @@ experiment::OverlapSeriesOptions options_of(const OverlapArguments& a, const Rec
   experiment::OverlapSeriesOptions options;
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;
-  options.input = recording.input;
+  options.inputs = recording.inputs;
   options.sensor = recording.sensor;
   options.section = recording.section;
   if (recording.reference) options.trajectory = *recording.reference;
@@ -79,7 +79,9 @@ std::string report(const OverlapArguments& a, const experiment::OverlapSeriesEnd
 
 void refuse_to_overwrite(const experiment::OverlapSeriesOptions& options, const std::filesystem::path& dataset,
                          const std::string& output) {
-  for (const auto& input : {options.pipeline, options.input, options.sensor, options.trajectory, dataset}) {
+  std::vector<std::filesystem::path> read{options.pipeline, options.sensor, options.trajectory, dataset};
+  read.insert(read.end(), options.inputs.begin(), options.inputs.end());
+  for (const auto& input : read) {
     std::error_code none;
     if (!input.empty() && std::filesystem::equivalent(input, output, none)) {
       throw ConfigError(fmt::format("--output {}: is read by this command; name another file", output));
@@ -119,7 +121,8 @@ int score(const OverlapArguments& a, const CLI::App& app) {
     return kInterrupted;
   }
   if (!a.quiet) print(report(a, end, means));
-  if (end.truncated) complain(fmt::format("{}: the input ends before its last record does", options.input.string()));
+  if (end.truncated)
+    complain(fmt::format("{}: the input ends before its last record does", options.inputs.front().string()));
   return end.truncated ? kBadData : kSuccess;
 }
 

@@ -11,18 +11,18 @@ namespace aslio::cli {
 namespace {
 
 void require_one_source(const RecordingArguments& a) {
-  if (!a.input.empty() && !a.dataset.empty()) {
+  if (!a.inputs.empty() && !a.dataset.empty()) {
     throw ConfigError("--input and --dataset exclude each other: a dataset file names its input; leave one out");
   }
-  if (a.input.empty() && a.dataset.empty()) {
+  if (a.inputs.empty() && a.dataset.empty()) {
     throw ConfigError("what to run over is missing: give --input and --sensor, or --dataset");
   }
-  if (!a.input.empty() && a.sensor.empty()) {
-    if (std::filesystem::exists(std::filesystem::path(a.input) / "dataset.yaml")) {
+  if (!a.inputs.empty() && a.sensor.empty()) {
+    if (std::filesystem::exists(std::filesystem::path(a.inputs.front()) / "dataset.yaml")) {
       throw ConfigError(
           fmt::format("--input {0}: this folder has a dataset.yaml, which names input, sensor and "
                       "reference: give it as --dataset {0}",
-                      a.input));
+                      a.inputs.front()));
     }
     throw ConfigError("--input needs --sensor, the sensor file that fits it (configs/sensors has some)");
   }
@@ -31,8 +31,14 @@ void require_one_source(const RecordingArguments& a) {
 }  // namespace
 
 void add_recording_options(CLI::App& app, RecordingArguments& a) {
-  app.add_option("--input", a.input, "ROS1 bag, or KITTI raw drive folder; goes with --sensor")
-      ->check(CLI::ExistingPath);
+  app.add_option(
+         "--input", a.inputs,
+         "recording: a bag (.bag, .db3), a folder or pattern of its parts, or a KITTI raw drive; goes with --sensor; "
+         "given several times, the inputs are one recording")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->check(
+          [](const std::string& path) { return io::is_input(path) ? std::string{} : "Path does not exist: " + path; });
   app.add_option("--dataset", a.dataset,
                  "dataset file (schema: aslio/dataset/1) or a folder with dataset.yaml: names input, sensor, reference "
                  "and section; other options override it")
@@ -47,9 +53,10 @@ Recording find_recording(const RecordingArguments& a, const CLI::App& app) {
   Recording recording;
   if (!a.dataset.empty()) {
     const experiment::Dataset dataset = experiment::load_dataset(a.dataset);
-    recording = {dataset.input, dataset.sensor, dataset.file, dataset.reference, dataset.section, dataset.closed_loop};
+    recording = {{dataset.input},   dataset.sensor,  dataset.file,
+                 dataset.reference, dataset.section, dataset.closed_loop};
   } else {
-    recording.input = a.input;
+    recording.inputs.assign(a.inputs.begin(), a.inputs.end());
   }
   if (!a.sensor.empty()) recording.sensor = a.sensor;
   if (app.count("--start") > 0) recording.section.start = a.start;

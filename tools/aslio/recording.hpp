@@ -5,18 +5,21 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "aslio/io/source.hpp"
 
 namespace aslio::cli {
 
 struct RecordingArguments {
-  std::string input, dataset, sensor;
+  std::vector<std::string> inputs;  ///< that are one recording
+  std::string dataset, sensor;
   double start = 0, duration = 0;
 };
 
 struct Recording {
-  std::filesystem::path input, sensor;
+  std::vector<std::filesystem::path> inputs;
+  std::filesystem::path sensor;
   std::optional<std::filesystem::path> dataset, reference;
   io::Section section;
   bool closed_loop = false;  ///< only where a dataset or --closed-loop says so

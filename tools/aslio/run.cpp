@@ -101,7 +101,8 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
                                   const std::vector<std::string>& command_line) {
   const Recording recording = find_recording(a.recording, app);
   experiment::RunOptions options;
-  options.input = recording.input;
+  options.input = recording.inputs.front();
+  options.more_inputs.assign(recording.inputs.begin() + 1, recording.inputs.end());
   options.sensor = recording.sensor;
   options.dataset = recording.dataset;
   options.reference = recording.reference;

@@ -23,7 +23,8 @@ class CdrOutput {
   }
 
   template <class T>
-  requires std::is_arithmetic_v<T> void put(T value) {
+  requires std::is_arithmetic_v<T>
+  void put(T value) {
     while ((out_.size() - 4) % sizeof(T) != 0) out_.push_back(0);
     const std::size_t at = out_.size();
     out_.resize(at + sizeof(T));

@@ -93,21 +93,23 @@ class CloudDecoder final : public LidarDecoder {
     std::string list;
     for (const std::string& frame : frames_) list += fmt::format("{}'{}'", list.empty() ? "" : ", ", frame);
     throw DataError(fmt::format(
-        "{}: this topic carries clouds of {} frames ({}), as of several sensors: set `lidar_frame` to one of them", where_,
-        frames_.size(), list));
+        "{}: this topic carries clouds of {} frames ({}), as of several sensors: set `lidar_frame` to one of them",
+        where_, frames_.size(), list));
   }
 
   void note_oddities(const decode::CloudView& view, SourceNotes& notes) {
     if (view.row_step_wrong && !row_step_told_) {
-      notes.warnings.push_back(fmt::format("{}: `row_step` of the clouds is wrong; their rows follow each other without a gap "
-                                           "and are read so",
-                                           where_));
+      notes.warnings.push_back(
+          fmt::format("{}: `row_step` of the clouds is wrong; their rows follow each other without a gap "
+                      "and are read so",
+                      where_));
       row_step_told_ = true;
     }
     if (view.flagged_big_endian && !endian_told_) {
-      notes.warnings.push_back(fmt::format("{}: the clouds say `is_bigendian`; by their values they are {}-endian and are "
-                                           "read so",
-                                           where_, view.swapped() ? "big" : "little"));
+      notes.warnings.push_back(
+          fmt::format("{}: the clouds say `is_bigendian`; by their values they are {}-endian and are "
+                      "read so",
+                      where_, view.swapped() ? "big" : "little"));
       endian_told_ = true;
     }
   }
@@ -148,8 +150,8 @@ class CloudDecoder final : public LidarDecoder {
   }
 
   std::string where_, malformed_;  ///< malformed_: why the first such message cannot be decoded
-  std::string frame_;                ///< the only one that is taken; empty: all
-  std::set<std::string> frames_;     ///< that were seen
+  std::string frame_;              ///< the only one that is taken; empty: all
+  std::set<std::string> frames_;   ///< that were seen
   std::vector<decode::CloudTimeRule> judged_;
   decode::CloudTimeFacts facts_;
   bool require_times_, untimed_;
@@ -159,7 +161,8 @@ class CloudDecoder final : public LidarDecoder {
 
 }  // namespace
 
-std::unique_ptr<LidarDecoder> make_cloud_decoder(const SensorConfig& sensor, std::string where, std::optional<TimeNs> imu_time) {
+std::unique_ptr<LidarDecoder> make_cloud_decoder(const SensorConfig& sensor, std::string where,
+                                                 std::optional<TimeNs> imu_time) {
   return std::make_unique<CloudDecoder>(sensor, std::move(where), imu_time);
 }
 

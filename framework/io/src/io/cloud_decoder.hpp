@@ -9,6 +9,7 @@
 namespace aslio::io {
 
 /// `imu_time`: of the IMU where the recording begins, if it is known.
-std::unique_ptr<LidarDecoder> make_cloud_decoder(const SensorConfig& sensor, std::string where, std::optional<TimeNs> imu_time);
+std::unique_ptr<LidarDecoder> make_cloud_decoder(const SensorConfig& sensor, std::string where,
+                                                 std::optional<TimeNs> imu_time);
 
 }  // namespace aslio::io

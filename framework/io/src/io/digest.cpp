@@ -7,6 +7,7 @@
 #include "aslio/core/sha256.hpp"
 #include "aslio/io/source.hpp"
 #include "input_file.hpp"
+#include "recording_files.hpp"
 
 namespace aslio::io {
 namespace {
@@ -29,6 +30,14 @@ void add_file(Sha256& digest, const fs::path& path) {
 std::string input_digest(const fs::path& path) {
   std::error_code error;
   Sha256 digest;
+  if (!fs::exists(path, error) && is_input(path)) {
+    for (const fs::path& file : find_recording_files(path).files) {
+      const std::string head = fmt::format("{}\n{}\n", file.filename().string(), fs::file_size(file));
+      digest.add(head.data(), head.size());
+      add_file(digest, file);
+    }
+    return digest.hex();
+  }
   if (!fs::is_directory(path, error)) {
     add_file(digest, path);
     return digest.hex();
@@ -43,6 +52,16 @@ std::string input_digest(const fs::path& path) {
     const std::string head = fmt::format("{}\n{}\n", name, fs::file_size(path / name));
     digest.add(head.data(), head.size());
     add_file(digest, path / name);
+  }
+  return digest.hex();
+}
+
+std::string input_digest(const std::vector<fs::path>& inputs) {
+  if (inputs.size() == 1) return input_digest(inputs.front());
+  Sha256 digest;
+  for (const fs::path& input : inputs) {
+    const std::string line = input_digest(input) + "\n";
+    digest.add(line.data(), line.size());
   }
   return digest.hex();
 }

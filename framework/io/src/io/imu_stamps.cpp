@@ -46,18 +46,20 @@ ImuStamps judge_imu_stamps(std::span<const ImuSample> samples, const std::string
   if (packets.samples < kEnough) return {};
   constexpr const char* kRemedy = "set `stamps: received` to take the times of recording";
   if (packets.stamps.size() == 1) {
-    throw DataError(fmt::format("{}: the first {} samples all have the stamp {} ns: the driver does not fill it; {}", where,
-                                packets.samples, packets.stamps.front(), kRemedy));
+    throw DataError(fmt::format("{}: the first {} samples all have the stamp {} ns: the driver does not fill it; {}",
+                                where, packets.samples, packets.stamps.front(), kRemedy));
   }
   if (packets.per_stamp() > kMaxBurst || (packets.whole_seconds && packets.per_stamp() > kBurst)) {
-    throw DataError(fmt::format("{}: the first {} samples have only {} stamps{}: the driver does not fill them; {}", where,
-                                packets.samples, packets.stamps.size(),
+    throw DataError(fmt::format("{}: the first {} samples have only {} stamps{}: the driver does not fill them; {}",
+                                where, packets.samples, packets.stamps.size(),
                                 packets.whole_seconds ? ", all of whole seconds" : "", kRemedy));
   }
   if (packets.per_stamp() <= kBurst || packets.median_step() <= 0) return {};
-  return {packets.median_step(),
-          fmt::format("imu stamps: {:.1f} samples share one, that of a packet; they are spread over the {:.3f} ms between packets",
-                      packets.per_stamp(), 1e3 * to_seconds(packets.median_step()))};
+  return {
+      packets.median_step(),
+      fmt::format(
+          "imu stamps: {:.1f} samples share one, that of a packet; they are spread over the {:.3f} ms between packets",
+          packets.per_stamp(), 1e3 * to_seconds(packets.median_step()))};
 }
 
 void ImuSpreader::add(const ImuSample& sample, std::vector<ImuSample>& out) {

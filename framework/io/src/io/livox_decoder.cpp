@@ -141,9 +141,10 @@ class LivoxDecoder final : public LidarDecoder {
     if (ids_.size() < 2) return;
     std::string list;
     for (const int id : ids_) list += fmt::format("{}{}", list.empty() ? "" : ", ", id);
-    throw DataError(fmt::format("{}: this topic carries the points of {} sensors (lidar_id {}): set `lidar_id` to one of "
-                                "them, with its T_imu_lidar",
-                                where_, ids_.size(), list));
+    throw DataError(
+        fmt::format("{}: this topic carries the points of {} sensors (lidar_id {}): set `lidar_id` to one of "
+                    "them, with its T_imu_lidar",
+                    where_, ids_.size(), list));
   }
 
   /// Offsets that cover an eighth of the time between messages are in a wrong scale, or of a view that is cut.
@@ -155,9 +156,10 @@ class LivoxDecoder final : public LidarDecoder {
     std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
     const double step = to_seconds(steps[steps.size() / 2]);
     if (step <= 0 || (offsets.span * kFactor >= step && offsets.span <= kFactor * step)) return;
-    notes.warnings.push_back(fmt::format("{}: offset_time spans {:.6f} s, but messages come each {:.6f} s: is it in another "
-                                         "scale than ns?",
-                                         where_, offsets.span, step));
+    notes.warnings.push_back(
+        fmt::format("{}: offset_time spans {:.6f} s, but messages come each {:.6f} s: is it in another "
+                    "scale than ns?",
+                    where_, offsets.span, step));
   }
 
   void decide(SourceNotes& notes) {

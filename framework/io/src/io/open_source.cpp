@@ -11,11 +11,7 @@ namespace aslio::io {
 namespace {
 
 void check(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const bool pattern = path.string().find_first_of("*?[") != std::string::npos;
-  if (!std::filesystem::exists(path, ignored) && !pattern) {
-    throw DataError(fmt::format("{}: no such file or folder", path.string()));
-  }
+  if (!is_input(path)) throw DataError(fmt::format("{}: no such file or folder", path.string()));
 }
 
 void check(const Section& section) {
@@ -25,6 +21,11 @@ void check(const Section& section) {
 }
 
 }  // namespace
+
+bool is_input(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) || path.string().find_first_of("*?[") != std::string::npos;
+}
 
 std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
                                                const Section& section) {

@@ -95,7 +95,8 @@ void read_metadata(const fs::path& folder, RecordingFiles& found) {
     }
     found.listed = true;
     for (const std::string& name : missing) {
-      found.warnings.push_back(fmt::format("metadata.yaml lists {}, which is not there: its messages are missing", name));
+      found.warnings.push_back(
+          fmt::format("metadata.yaml lists {}, which is not there: its messages are missing", name));
     }
   } catch (const YAML::Exception& error) {
     throw DataError(fmt::format("{}:{}: {}; remove it to read the files of this folder by their names", path.string(),

@@ -111,7 +111,8 @@ void ScratchFile::fill(const std::filesystem::path& from) {
   std::vector<std::uint8_t> in(ZSTD_DStreamInSize()), out(ZSTD_DStreamOutSize());
   std::size_t left = 0;
   for (std::uint64_t at = 0; at < file.size();) {
-    const auto part = std::span(in).first(static_cast<std::size_t>(std::min<std::uint64_t>(in.size(), file.size() - at)));
+    const auto part =
+        std::span(in).first(static_cast<std::size_t>(std::min<std::uint64_t>(in.size(), file.size() - at)));
     file.read(at, part);
     at += part.size();
     ZSTD_inBuffer packed{part.data(), part.size(), 0};

@@ -42,7 +42,8 @@ std::string default_name(const fs::path& file) {
 void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
   b.text("name", dataset.name, "what tables call it; empty: the name of the file, or of its folder for dataset.yaml");
   b.text("description", dataset.description, "what the recording is");
-  b.text("input", dataset.input, "ROS1 bag, or KITTI raw drive folder; required");
+  b.text("input", dataset.input,
+         "recording: a bag (.bag, .db3), a folder of its parts, or a KITTI raw drive; required");
   b.text("sensor", dataset.sensor, "sensor file that fits the input; required");
   b.text("reference", dataset.reference, "reference trajectory (TUM, T_W_I); empty: none");
   b.real("start", dataset.start, "s", {.min = 0.0, .max = kMaxSeconds}, "data to skip");

@@ -83,6 +83,7 @@ std::string to_json(const Manifest& manifest, const RunOptions& options) {
   Json plugins = Json::array();
   for (const PluginFile& plugin : options.plugins) plugins.push_back(file(plugin.path, plugin.sha256));
   Json input = file(options.input, manifest.input_sha256);
+  for (const auto& more : options.more_inputs) input["more"].push_back(more.string());
   input["hash_s"] = manifest.input_hash_s;
   input["start_s"] = options.section.start;
   input["duration_s"] = options.section.duration ? Json(*options.section.duration) : Json(nullptr);

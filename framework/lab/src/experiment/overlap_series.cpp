@@ -146,7 +146,7 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   exec::Executor executor(1);
   const auto metric = pipeline.value.overlap.make({executor, sensor.value.model, nullptr});
   Trajectory path(io::read_tum(options.trajectory));
-  const auto source = io::open_source(options.input, sensor.value, options.section);
+  const auto source = io::open_source(options.inputs, sensor.value, options.section);
   const std::vector<std::string> told = source->notes().warnings;
   monitor.on_start(source->notes());
   ProgressFeed feed(monitor, *source);
@@ -178,7 +178,7 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   if (end.scored == 0 && !end.failure && !end.interrupted) {
     end.bad_data = true;
     end.failure = fmt::format("{}: has no pose for any point of {}: name a trajectory of the same recording",
-                              options.trajectory.string(), options.input.string());
+                              options.trajectory.string(), options.inputs.front().string());
   }
   return end;
 }

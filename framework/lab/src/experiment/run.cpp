@@ -87,7 +87,7 @@ Manifest identify(const RunOptions& options, const Prepared& prepared) {
   manifest.sensor_resolved = prepared.sensor.resolved;
   manifest.stages = prepared.pipeline.plugin_types;
   const auto start = Clock::now();
-  if (!options.open_input) manifest.input_sha256 = io::input_digest(options.input);
+  if (!options.open_input) manifest.input_sha256 = io::input_digest(options.inputs());
   manifest.input_hash_s = seconds_since(start);
   return manifest;
 }
@@ -97,7 +97,7 @@ std::unique_ptr<io::MeasurementSource> open_source(const RunOptions& options, co
                                                    Manifest& manifest) {
   try {
     auto source = options.open_input ? options.open_input(prepared.sensor.value)
-                                     : io::open_source(options.input, prepared.sensor.value, options.section);
+                                     : io::open_source(options.inputs(), prepared.sensor.value, options.section);
     manifest = identify(options, prepared);
     return source;
   } catch (const std::exception& error) {

@@ -107,7 +107,11 @@ std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path
 std::unique_ptr<MeasurementSource> open_source(const std::vector<std::filesystem::path>& inputs,
                                                const SensorConfig& sensor, const Section& section = {});
 
-/// SHA-256 of a file, or of the names and contents of a folder's data files; hex.
+/// SHA-256 of a file, or of the names and contents of a folder's data files, or of those that a pattern matches; hex.
 std::string input_digest(const std::filesystem::path& path);
+/// Of several inputs that are read as one; that of a single one is its own.
+std::string input_digest(const std::vector<std::filesystem::path>& inputs);
+/// An input that exists, or a pattern with `*`, `?` or `[`.
+bool is_input(const std::filesystem::path& path);
 
 }  // namespace aslio::io

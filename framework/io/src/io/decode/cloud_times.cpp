@@ -19,8 +19,8 @@ constexpr std::array<Unit, 4> kUnits{{{"s", TimeUnit::s, 1, 1e9},
                                       {"us", TimeUnit::us, 1e-6, 1e3},
                                       {"ns", TimeUnit::ns, 1e-9, 1}}};
 
-/// nullptr: none in which such a span is that of a sweep, or of the part of it that a narrow view covers. Units differ by
-/// 1000, the admissible spans by 100: at most one unit fits.
+/// nullptr: none in which such a span is that of a sweep, or of the part of it that a narrow view covers. Units differ
+/// by 1000, the admissible spans by 100: at most one unit fits.
 const Unit* unit_of(double span, double sweep_period) {
   constexpr double kSmallest = 0.03, kLargest = 3.0;
   const auto fits = [&](const Unit& unit) {
@@ -137,10 +137,11 @@ CloudTimeRule judge_cloud_times(const CloudView& view, const CloudTimeFacts& fac
   const bool from_end = facts.declared.point_time == PointTime::end || last;
   if (!rule.absolute) rule.shift = shift_of(from_end, facts.declared.lidar_stamp, facts.sweep_period);
   rule.doubt = doubt_of(times.high - times.low, facts.sweep_period);
-  rule.verdict = fmt::format("{}, {}, {} ({:.6f} to {:.6f} s from {}{}{})", field, unit->name, reference_words(rule),
-                             times.low - origin, times.high - origin, rule.own_clock ? "the first" : "the header stamp",
-                             last ? ", which is of the last packet" : "",
-                             rule.shift == 0 ? "" : fmt::format("; {:+.3f} s by `lidar_stamp`", to_seconds(rule.shift)));
+  rule.verdict =
+      fmt::format("{}, {}, {} ({:.6f} to {:.6f} s from {}{}{})", field, unit->name, reference_words(rule),
+                  times.low - origin, times.high - origin, rule.own_clock ? "the first" : "the header stamp",
+                  last ? ", which is of the last packet" : "",
+                  rule.shift == 0 ? "" : fmt::format("; {:+.3f} s by `lidar_stamp`", to_seconds(rule.shift)));
   return rule;
 }
 

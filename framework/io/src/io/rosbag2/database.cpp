@@ -99,9 +99,10 @@ class DatabaseReader::Impl {
 
   [[noreturn]] void fail(const std::string& why) const { throw DataError(fmt::format("{}: {}", name_, why)); }
   [[noreturn]] void fail_damaged() const {
-    fail(fmt::format("the database is damaged: {}; copy it again from its origin, or save what is left with `sqlite3 "
-                     "FILE .recover`",
-                     sqlite3_errmsg(database_.get())));
+    fail(
+        fmt::format("the database is damaged: {}; copy it again from its origin, or save what is left with `sqlite3 "
+                    "FILE .recover`",
+                    sqlite3_errmsg(database_.get())));
   }
 
   void cut(const std::string& what) {
@@ -111,17 +112,19 @@ class DatabaseReader::Impl {
 
   void open(const std::filesystem::path& path) {
     sqlite3* raw = nullptr;
-    const int result =
-        sqlite3_open_v2(uri_of(path).c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
+    const int result = sqlite3_open_v2(uri_of(path).c_str(), &raw,
+                                       SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
     database_.reset(raw);
     if (result != SQLITE_OK) fail(fmt::format("cannot open the database: {}", sqlite3_errstr(result)));
-    sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(std::min<std::uint64_t>(limits_.message_bytes, 1U << 30U)));
+    sqlite3_limit(raw, SQLITE_LIMIT_LENGTH,
+                  static_cast<int>(std::min<std::uint64_t>(limits_.message_bytes, 1U << 30U)));
     sqlite3_limit(raw, SQLITE_LIMIT_SQL_LENGTH, kLongestSql);
     sqlite3_limit(raw, SQLITE_LIMIT_ATTACHED, 0);
     sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
     sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
-    sqlite3_exec(raw, "PRAGMA mmap_size = 0; PRAGMA cache_size = -8192; PRAGMA temp_store = FILE;", nullptr, nullptr, nullptr);
+    sqlite3_exec(raw, "PRAGMA mmap_size = 0; PRAGMA cache_size = -8192; PRAGMA temp_store = FILE;", nullptr, nullptr,
+                 nullptr);
     // A file with fewer pages than it says is opened only so.
     if (status_ == InputStatus::truncated) sqlite3_exec(raw, "PRAGMA writable_schema = ON", nullptr, nullptr, nullptr);
   }
@@ -213,8 +216,9 @@ class DatabaseReader::Impl {
     next_place_ = 0;
     if (!index_.empty()) {
       // Named, since a plan without it would sort the data of all messages.
-      rows_ = prepare(fmt::format("SELECT id, topic_id, timestamp, data FROM messages INDEXED BY {} WHERE {} ORDER BY timestamp, id",
-                                  sql_name(index_), which_topics()));
+      rows_ = prepare(fmt::format(
+          "SELECT id, topic_id, timestamp, data FROM messages INDEXED BY {} WHERE {} ORDER BY timestamp, id",
+          sql_name(index_), which_topics()));
       return;
     }
     list_messages();
@@ -224,15 +228,15 @@ class DatabaseReader::Impl {
   /// Without an index on time, or in a file that is cut: the order from the times alone, data by row afterwards.
   void list_messages() {
     places_.clear();
-    const Statement rows = prepare(fmt::format("SELECT id, timestamp FROM messages NOT INDEXED WHERE {}", which_topics()));
+    const Statement rows =
+        prepare(fmt::format("SELECT id, timestamp FROM messages NOT INDEXED WHERE {}", which_topics()));
     int result = SQLITE_ROW;
     while ((result = sqlite3_step(rows.get())) == SQLITE_ROW) {
       places_.push_back({sqlite3_column_int64(rows.get(), 1), sqlite3_column_int64(rows.get(), 0)});
     }
     if (result != SQLITE_DONE && status_ == InputStatus::complete) fail_damaged();
-    std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
-      return a.time != b.time ? a.time < b.time : a.row < b.row;
-    });
+    std::stable_sort(places_.begin(), places_.end(),
+                     [](const Place& a, const Place& b) { return a.time != b.time ? a.time < b.time : a.row < b.row; });
   }
 
   bool next_by_index(RawMessage& message) {
@@ -295,7 +299,7 @@ class DatabaseReader::Impl {
   Statement rows_;
   std::vector<Connection> connections_;
   std::vector<std::int64_t> topics_, wanted_;  ///< ids in the file; of all topics by connection, ascending
-  std::string index_;  ///< on the times of messages; empty: none that can be used
+  std::string index_;                          ///< on the times of messages; empty: none that can be used
   std::vector<Place> places_;
   std::size_t next_place_ = 0;
   std::vector<std::uint8_t> plain_;

@@ -1,6 +1,7 @@
 #pragma once
-/// Reads a rosbag2 database (SQLite, `.db3`) in the order of record time, in bounded memory. The file is taken as it is:
-/// nothing is written beside it. Source: rosbag2_storage_sqlite3, schemas 1 to 4 (older ones lack tables and columns).
+/// Reads a rosbag2 database (SQLite, `.db3`) in the order of record time, in bounded memory. The file is taken as it
+/// is: nothing is written beside it. Source: rosbag2_storage_sqlite3, schemas 1 to 4 (older ones lack tables and
+/// columns).
 
 #include <cstdint>
 #include <filesystem>

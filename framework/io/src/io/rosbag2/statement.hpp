@@ -21,7 +21,8 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 /// Text of a column, empty for NULL.
 inline std::string text_of(sqlite3_stmt* row, int column) {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
-  return text == nullptr ? std::string{} : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(row, column)));
+  return text == nullptr ? std::string{}
+                         : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(row, column)));
 }
 
 }  // namespace aslio::io::rosbag2

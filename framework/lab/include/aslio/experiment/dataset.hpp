@@ -17,7 +17,7 @@ namespace aslio::experiment {
 struct DatasetConfig {
   std::string name;                ///< empty: that of the file, or of its folder when the file is dataset.yaml
   std::string description;         ///< for people
-  std::string input;               ///< ROS1 bag, or KITTI raw drive folder
+  std::string input;               ///< a recording, or a folder of its parts
   std::string sensor;              ///< sensor file
   std::string reference;           ///< reference trajectory (TUM); empty: none
   double start = 0;                ///< of the data to skip [s]

@@ -16,9 +16,10 @@
 namespace aslio::experiment {
 
 struct OverlapSeriesOptions {
-  std::filesystem::path pipeline;      ///< of which only `overlap` counts
-  std::vector<std::string> overrides;  ///< `key.path=value`, in order
-  std::filesystem::path input, sensor;
+  std::filesystem::path pipeline;             ///< of which only `overlap` counts
+  std::vector<std::string> overrides;         ///< `key.path=value`, in order
+  std::vector<std::filesystem::path> inputs;  ///< read as one recording; at least one
+  std::filesystem::path sensor;
   std::filesystem::path trajectory;  ///< TUM, poses T_W_I
   io::Section section;
   double period = 0.1;  ///< [s] length of a frame

@@ -26,6 +26,7 @@ struct RunOptions {
   std::filesystem::path pipeline;
   std::vector<std::string> overrides;  ///< `key.path=value`, in order
   std::filesystem::path input, sensor, output;
+  std::vector<std::filesystem::path> more_inputs;  ///< that are one recording with `input`
   int threads = 1;
   io::Section section;
   std::optional<std::filesystem::path> dataset;    ///< the file that named input, sensor or reference; for the manifest
@@ -40,6 +41,13 @@ struct RunOptions {
   /// Opens the input in place of io::open_source(), for data that are in no file (tools/soak); `input` is then a name,
   /// and has no digest.
   std::function<std::unique_ptr<io::MeasurementSource>(const io::SensorConfig&)> open_input = {};
+
+  /// `input` and `more_inputs`.
+  std::vector<std::filesystem::path> inputs() const {
+    std::vector<std::filesystem::path> all{input};
+    all.insert(all.end(), more_inputs.begin(), more_inputs.end());
+    return all;
+  }
 };
 
 /// Where a run stands.
