@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "../decompress.hpp"
 #include "aslio/core/errors.hpp"
-#include "decompress.hpp"
 
 namespace aslio::io::rosbag {
 namespace {
@@ -105,12 +105,7 @@ std::string ChunkLoader::list(ByteView& view, std::uint64_t begin, std::uint64_t
 
 void ChunkLoader::load(std::uint64_t position, bool may_be_cut, const std::vector<std::uint32_t>* wanted,
                        ConnectionTable& known, bool learn, LoadedChunk& out) {
-  out.entries.clear();
-  out.memory.clear();
-  out.in_memory = out.cut = false;
-  out.messages = 0;
-  out.begin = kTimeMax;
-  out.end = kTimeMin;
+  out.start_over(position);
   Record chunk;
   std::string why;
   const Parsed parsed = parse_record(view_, position, file_.size(), limits_, chunk, why);
@@ -127,14 +122,11 @@ void ChunkLoader::load(std::uint64_t position, bool may_be_cut, const std::vecto
     why = list(view_, chunk.data_begin, end, wanted, known, learn, out);
   } else {
     decompress_into(position, chunk, may_be_cut, out);
-    ByteView memory{std::span<const std::uint8_t>(out.memory)};
+    ByteView memory{out.memory.bytes()};
     why = list(memory, 0, out.memory.size(), wanted, known, learn, out);
   }
   if (!why.empty()) damaged(position, why);
-  const auto earlier = [](const MessageEntry& a, const MessageEntry& b) { return a.time < b.time; };
-  if (!std::is_sorted(out.entries.begin(), out.entries.end(), earlier)) {
-    std::stable_sort(out.entries.begin(), out.entries.end(), earlier);
-  }
+  out.put_in_order();
 }
 
 }  // namespace aslio::io::rosbag

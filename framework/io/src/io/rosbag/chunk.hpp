@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "../chunk_player.hpp"
 #include "../input_file.hpp"
 #include "aslio/io/rosbag/reader.hpp"
 #include "record.hpp"
@@ -20,22 +21,6 @@ class ConnectionTable {
 
  private:
   std::vector<Connection> all_;
-};
-
-struct MessageEntry {
-  TimeNs time = 0;
-  std::uint64_t offset = 0;  ///< into the memory of the chunk, or into the file
-  std::uint32_t bytes = 0, connection = 0;
-};
-
-struct LoadedChunk {
-  std::vector<MessageEntry> entries;  ///< by time, equal times in file order
-  std::vector<std::uint8_t> memory;   ///< decompressed bytes; empty for an uncompressed chunk
-  bool in_memory = false;
-  bool cut = false;  ///< the file ends inside it
-  // Of all its messages, also those that are not wanted.
-  std::uint64_t messages = 0;
-  TimeNs begin = kTimeMax, end = kTimeMin;
 };
 
 class ChunkLoader {
@@ -60,17 +45,9 @@ class ChunkLoader {
   std::vector<std::uint8_t> compressed_;
 };
 
-/// What a bag says about its chunks, from its index or from a scan.
-struct ChunkInfo {
-  std::uint64_t position = 0;
-  TimeNs begin = 0, end = 0;
-  std::vector<std::uint32_t> connections;  ///< ids with messages in it, sorted
-  std::uint64_t messages = 0;              ///< from an index
-};
-
 struct BagIndex {
   ConnectionTable connections;
-  std::vector<ChunkInfo> chunks;  ///< by begin, then position
+  std::vector<ChunkInfo> chunks;  ///< in the order of sort_chunks()
   InputStatus status = InputStatus::complete;
   std::vector<std::string> warnings;
   bool scanned = false;  ///< from the records themselves

@@ -58,12 +58,6 @@ FileHeader read_file_header(const InputFile& file, ByteView& view, const Limits&
   return {*record.index_position, record.next(), record.connection_count.value_or(0), record.chunk_count.value_or(0)};
 }
 
-void sort_chunks(std::vector<ChunkInfo>& chunks) {
-  std::stable_sort(chunks.begin(), chunks.end(), [](const ChunkInfo& a, const ChunkInfo& b) {
-    return a.begin != b.begin ? a.begin < b.begin : a.position < b.position;
-  });
-}
-
 enum class IndexState : std::uint8_t { good, cut, damaged };
 
 std::string add_chunk_info(ByteView& view, const Record& record, const FileHeader& header, BagIndex& index) {
@@ -72,7 +66,7 @@ std::string add_chunk_info(ByteView& view, const Record& record, const FileHeade
     return fmt::format("a chunk info points to offset {}", *record.chunk_position);
   }
   if (*record.begin > *record.end) return "a chunk info ends before it begins";
-  ChunkInfo info{*record.chunk_position, *record.begin, *record.end, {}, 0};
+  ChunkInfo info{*record.chunk_position, *record.begin, *record.end, {}, 0, 0};
   for (std::uint64_t at = 0; at + 8 <= record.data_bytes; at += 8) {
     const std::uint8_t* pair = view.at(record.data_begin + at, 8);
     const std::uint32_t count = load<std::uint32_t>(pair + 4);
@@ -175,7 +169,7 @@ class Scanner {
     switch (record.op) {
       case Op::chunk:
         finish_chunk(false);
-        open_chunk_ = ChunkInfo{position, kTimeMax, kTimeMin, {}, 0};
+        open_chunk_ = ChunkInfo{position, kTimeMax, kTimeMin, {}, 0, 0};
         return true;
       case Op::index_data:
         return parsed != Parsed::ok || take_times(record, why);
