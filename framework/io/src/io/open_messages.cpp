@@ -8,6 +8,8 @@
 #include "aslio/io/message_reader.hpp"
 #include "aslio/io/rosbag/reader.hpp"
 #include "input_file.hpp"
+#include "mcap/reader.hpp"
+#include "mcap/record.hpp"
 #include "recording_files.hpp"
 #include "rosbag2/database.hpp"
 #include "zstd.hpp"
@@ -36,10 +38,14 @@ std::unique_ptr<MessageReader> open_plain(const fs::path& path, const fs::path& 
   if (rosbag2::is_database(head)) {
     return std::make_unique<rosbag2::DatabaseReader>(path, name.string(), std::move(unpacked));
   }
-  if (unpacked) {
-    throw DataError(fmt::format("{}: holds neither a bag, a MCAP file nor a rosbag2 database", name.string()));
+  try {
+    // Of any version: the reader of MCAP files names the others. What was decompressed stays open without a name.
+    if (head.starts_with(mcap::kMagic.substr(0, 5))) return std::make_unique<mcap::McapReader>(path);
+    return std::make_unique<rosbag::BagReader>(path);
+  } catch (const DataError& error) {
+    if (!unpacked) throw;
+    throw DataError(fmt::format("{}, decompressed: {}", name.string(), error.what()));
   }
-  return std::make_unique<rosbag::BagReader>(path);
 }
 
 std::unique_ptr<MessageReader> open_file(const fs::path& path, const fs::path& scratch) {
