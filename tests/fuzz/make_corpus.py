@@ -11,6 +11,7 @@ import math
 import pathlib
 import struct
 import sys
+import zlib
 
 HERE = pathlib.Path(__file__).resolve().parent
 START = 1_600_000_000
@@ -127,6 +128,57 @@ def bag(messages, types, compression="none", index=True):
         return magic + bag_header(0, 0) + body
     ends = b"".join(connection(i) for i in range(len(types))) + infos
     return magic + bag_header(begin + len(body), len(halves)) + body + ends
+
+
+def zstd(data):
+    """A frame of one block that is stored as it is."""
+    return struct.pack("<IBI", 0xFD2FB528, 0xA0, len(data)) + (len(data) << 3 | 1).to_bytes(3, "little") + data
+
+
+def mcap(messages, channels, compression="", chunks=True, index=True, crc=True):
+    """`messages`: (channel, nanoseconds, bytes), two chunks of them; `channels`: (topic, schema, encoding)."""
+    def op(kind, *content):
+        content = b"".join(content)
+        return struct.pack("<BQ", kind, len(content)) + content
+
+    def summed(data):
+        return struct.pack("<I", zlib.crc32(data) if crc else 0)
+
+    sized = lambda data: struct.pack("<I", len(data)) + data
+    schemas = b"".join(op(3, struct.pack("<H", i), text(name), text("ros1msg"), text("x"))
+                       for i, name in enumerate(sorted({name for _, name, _ in channels}), 1))
+    names = sorted({name for _, name, _ in channels})
+    described = schemas + b"".join(
+        op(4, struct.pack("<HH", i, names.index(name) + 1), text(topic), text(encoding), sized(text("md5sum") + text("0")))
+        for i, (topic, name, encoding) in enumerate(channels))
+    magic = b"\x89MCAP0\r\n"
+    out = magic + op(1, text("ros1"), text("")) + (b"" if chunks else described)
+    indexes = b""
+    for k, part in enumerate((messages[:len(messages) // 2], messages[len(messages) // 2:])):
+        inside, entries = described if k == 0 and chunks else b"", {}
+        for number, t, data in part:
+            entries.setdefault(number, []).append(struct.pack("<QQ", t, len(inside)))
+            inside += op(5, struct.pack("<HIQQ", number, 0, t, t), data)
+        if not chunks:
+            out += inside
+            continue
+        packed = {"": lambda d: d, "lz4": lz4, "zstd": zstd}[compression](inside)
+        span = struct.pack("<QQ", min(t for _, t, _ in part), max(t for _, t, _ in part))
+        chunk = op(6, span, struct.pack("<Q", len(inside)), summed(inside), text(compression), struct.pack("<Q", len(packed)), packed)
+        at, places, behind = len(out), b"", b""
+        for number, times in entries.items():
+            places += struct.pack("<HQ", number, at + len(chunk) + len(behind))
+            behind += op(7, struct.pack("<H", number), sized(b"".join(times)))
+        indexes += op(8, span, struct.pack("<QQ", at, len(chunk)), sized(places), struct.pack("<Q", len(behind)),
+                      text(compression), struct.pack("<QQ", len(packed), len(inside)))
+        out += chunk + behind
+    out += op(9, struct.pack("<QQ", 0, 0), text("name"), text("text/plain"), struct.pack("<QI", 0, 0))
+    out += op(15, summed(out))
+    counts = b"".join(struct.pack("<HQ", i, sum(number == i for number, _, _ in messages)) for i in range(len(channels)))
+    statistics = op(11, struct.pack("<QHIIIIQQ", len(messages), len(names), len(channels), 1, 0, 2 * chunks, 0, 0), sized(counts))
+    summary = described + indexes + statistics if index else b""
+    footer = struct.pack("<BQQQ", 2, 20, len(out) if index else 0, 0)
+    return out + summary + footer + summed(summary + footer) + magic
 
 
 def recording(lidar, sweep, samples=4, **options):
@@ -257,6 +309,14 @@ def inputs():
     for compression in ("none", "bz2", "lz4"):
         yield "bag", compression, recording(LIVOX, livox, compression=compression)
     yield "bag", "no_index", recording(LIVOX, livox, index=False)
+    pair = [("/a", "std_msgs/String", "ros1"), ("/b", "std_msgs/msg/String", "cdr")]
+    few = [(i % 2, 1000 + 7 * (i ^ 1), bytes([i]) * (i + 3)) for i in range(8)]
+    for compression in ("", "lz4", "zstd"):
+        yield "mcap", compression or "none", mcap(few, pair, compression)
+    # Without checksums, so that what is changed is read.
+    yield "mcap", "no_index", mcap(few, pair, "zstd", index=False, crc=False)
+    yield "mcap", "no_checksum", mcap(few, pair, "lz4", crc=False)
+    yield "mcap", "no_chunks", mcap(few, pair, chunks=False, crc=False)
     yield "recording", "livox", recording(LIVOX, lambda t: livox(t, 120), samples=12)
     yield "recording", "ouster", recording(CLOUD, lambda t: cloud(t, "t", 6, 1e-9))
     yield "recording", "velodyne", recording(CLOUD, lambda t: cloud(t, "time", 7, 1.0), compression="bz2")
