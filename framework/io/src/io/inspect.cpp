@@ -9,8 +9,8 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/io/message_reader.hpp"
 #include "decode/cloud.hpp"
+#include "folder/open_folder.hpp"
 #include "imu_rate.hpp"
-#include "kitti_drive.hpp"
 #include "lidar_decoder.hpp"
 #include "recording_files.hpp"
 #include "stamp_clock.hpp"
@@ -19,7 +19,7 @@
 namespace aslio::io {
 namespace {
 
-/// One topic of a bag while it is read.
+/// One topic of a recording while it is read.
 class TopicProbe {
  public:
   TopicProbe(const Connection& connection, const SensorConfig& sensor, std::string where)
@@ -47,7 +47,12 @@ class TopicProbe {
     if (report_.role == TopicRole::lidar) add_lidar(message, clock_.far_off(stamp, message.time));
   }
 
-  TopicReport finish() {
+  /// `known`: verdicts of the recording, of which a topic states those on its role.
+  TopicReport finish(const std::vector<std::string>& known) {
+    for (const std::string& verdict : known) {
+      const TopicRole role = verdict.starts_with("imu") ? TopicRole::imu : TopicRole::lidar;
+      if (role == report_.role) report_.verdicts.push_back(verdict);
+    }
     statistics_.finish(report_);
     if (report_.role == TopicRole::imu && report_.problem.empty()) judge_imu();
     if (report_.role == TopicRole::lidar && report_.messages > report_.malformed) {
@@ -138,17 +143,15 @@ std::uint64_t bytes_of(const std::filesystem::path& path) {
   return bytes;
 }
 
-void inspect_recording(const std::filesystem::path& path, const SensorConfig& sensor, InputReport& report) {
-  const auto opened = open_messages(path);
-  MessageReader& reader = *opened;
+void inspect_messages(MessageReader& reader, const SensorConfig& sensor, InputReport& report) {
+  const std::string path = report.path.string();
   report.kind = reader.kind();
-  report.bytes = bytes_of(path);
   std::map<std::string, std::unique_ptr<TopicProbe>> probes;  // several connections may share a topic
   std::map<std::uint32_t, TopicProbe*> by_id;
   std::vector<std::uint32_t> all;
   for (const Connection& c : reader.connections()) {
     auto& probe = probes[c.topic + '\0' + c.type + '\0' + c.md5];
-    if (!probe) probe = std::make_unique<TopicProbe>(c, sensor, fmt::format("{}: {}", path.string(), c.topic));
+    if (!probe) probe = std::make_unique<TopicProbe>(c, sensor, fmt::format("{}: {}", path, c.topic));
     by_id[c.id] = probe.get();
     probe->add_connection(c.id);
     all.push_back(c.id);
@@ -157,51 +160,11 @@ void inspect_recording(const std::filesystem::path& path, const SensorConfig& se
   reader.select(all);
   RawMessage message;
   while (reader.next(message)) by_id.at(message.connection)->add(message);
-  for (auto& [key, probe] : probes) report.topics.push_back(probe->finish());
+  for (auto& [key, probe] : probes) report.topics.push_back(probe->finish(reader.verdicts()));
   report.status = reader.status();
   report.begin = reader.begin_time().value_or(0);
   report.end = reader.end_time().value_or(0);
   report.warnings = reader.warnings();
-}
-
-void inspect_drive(const std::filesystem::path& folder, const SensorConfig& sensor, InputReport& report) {
-  report.kind = "KITTI raw drive";
-  const KittiDrive drive = read_kitti_drive(folder);
-  TopicReport lidar, imu;
-  lidar.topic = "velodyne_points";
-  lidar.type = "float32 x y z reflectance";
-  lidar.role = TopicRole::lidar;
-  imu.topic = "oxts";
-  imu.type = "OXTS packet";
-  imu.role = TopicRole::imu;
-  TopicStatistics scans, samples;
-  std::uint64_t points = 0;
-  for (const KittiScan& scan : drive.scans) {
-    scans.add(scan.begin);
-    LidarPacket packet;
-    if (read_kitti_scan(scan, packet) > 0) report.status = InputStatus::truncated;
-    points += packet.points.size();
-    lidar.empty += packet.points.empty() ? 1 : 0;
-  }
-  for (const ImuSample& s : drive.imu) samples.add(s.t);
-  scans.finish(lidar);
-  samples.finish(imu);
-  if (!drive.scans.empty()) {
-    lidar.points_per_message = static_cast<double>(points) / static_cast<double>(drive.scans.size());
-  }
-  // Opening judges the rest: units, times, extrinsic.
-  try {
-    const auto source = open_source(folder, sensor);
-    report.begin = source->begin_time().value_or(0);
-    report.end = source->end_time().value_or(0);
-    report.warnings = source->notes().warnings;
-    for (const std::string& verdict : source->notes().verdicts) {
-      (verdict.starts_with("imu") ? imu : lidar).verdicts.push_back(verdict);
-    }
-  } catch (const DataError& error) {
-    imu.problem = error.what();
-  }
-  report.topics = {std::move(imu), std::move(lidar)};
 }
 
 std::string cell(double value, int decimals) { return value == 0 ? "-" : fmt::format("{:.{}f}", value, decimals); }
@@ -211,13 +174,10 @@ std::string cell(double value, int decimals) { return value == 0 ? "-" : fmt::fo
 InputReport inspect(const std::filesystem::path& path, const SensorConfig& sensor) {
   InputReport report;
   report.path = path;
-  std::error_code ignored;
-  const auto drive = std::filesystem::is_directory(path, ignored) ? find_kitti_drive(path) : std::nullopt;
-  if (drive) {
-    inspect_drive(*drive, sensor, report);
-  } else {
-    inspect_recording(path, sensor, report);
-  }
+  const bool folder = is_folder_of_scans(path);
+  const auto reader = folder ? open_folder(path, sensor) : open_messages(path);
+  if (!folder) report.bytes = bytes_of(path);
+  inspect_messages(*reader, sensor, report);
   try {
     open_source(path, sensor);
     report.usable = true;

@@ -2,8 +2,8 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/source.hpp"
-#include "kitti_drive.hpp"
-#include "kitti_source.hpp"
+#include "folder/open_folder.hpp"
+#include "recording_files.hpp"
 #include "recording_source.hpp"
 
 namespace aslio::io {
@@ -31,10 +31,7 @@ std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path
                                                const Section& section) {
   check(path);
   check(section);
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    if (const auto drive = find_kitti_drive(path)) return open_kitti(*drive, sensor, section);
-  }
+  if (is_folder_of_scans(path)) return open_folder_source(path, sensor, section);
   return open_recording(path.string(), open_messages(path), sensor, section);
 }
 

@@ -146,4 +146,9 @@ RecordingFiles find_recording_files(const fs::path& path) {
   return {{path}, {}, true};
 }
 
+bool is_folder_of_scans(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) && find_recording_files(path).files.empty();
+}
+
 }  // namespace aslio::io

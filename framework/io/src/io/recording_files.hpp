@@ -20,4 +20,7 @@ RecordingFiles find_recording_files(const std::filesystem::path& path);
 /// A name without extension and without the number of a part: `run_2.db3.zstd` -> `run`.
 std::string recording_stem(const std::filesystem::path& file);
 
+/// A folder without recordings of messages: its scans are files.
+bool is_folder_of_scans(const std::filesystem::path& path);
+
 }  // namespace aslio::io

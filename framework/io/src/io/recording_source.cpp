@@ -33,6 +33,7 @@ class RecordingSource final : public MeasurementSource {
         scan_lines_(sensor.model.scan_lines),
         gyro_unit_(sensor.gyro_unit) {
     refuse_without_message();
+    notes_.verdicts = reader_->verdicts();
     const std::string cut = if_cut();
     const TopicChooser chooser(name_, reader_->connections(),
                                cut.empty() ? "" : fmt::format("{}: copy it again from its origin, or ", cut));
@@ -160,7 +161,7 @@ class RecordingSource final : public MeasurementSource {
     const ImuStamps stamps = judge_imu_stamps(beginning.samples(), where);
     spreader_ = ImuSpreader(stamps.burst_period);
     units_ = decode::judge_imu_units(beginning.samples(), sensor, where);
-    notes_.verdicts = units_.verdicts;
+    notes_.verdicts.insert(notes_.verdicts.end(), units_.verdicts.begin(), units_.verdicts.end());
     notes_.warnings = units_.warnings;
     if (!stamps.verdict.empty()) notes_.verdicts.push_back(stamps.verdict);
     if (received_) notes_.verdicts.push_back("stamps: times of recording, by `stamps: received` of the sensor file");

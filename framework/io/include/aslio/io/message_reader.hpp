@@ -53,6 +53,11 @@ class MessageReader {
   /// `truncated` once it is known that the input ends before its last record does.
   virtual InputStatus status() const = 0;
   virtual const std::vector<std::string>& warnings() const = 0;
+  /// What was found out beforehand of the data, to be stated: "imu ..." of the IMU, others of the LiDAR.
+  virtual const std::vector<std::string>& verdicts() const {
+    static const std::vector<std::string> none;
+    return none;
+  }
 };
 
 /// Opens a recording: a file (by its first bytes, not by its name), a folder of its parts, or a pattern with `*`. A

@@ -1,5 +1,5 @@
 #pragma once
-/// One drive of the KITTI raw recordings (Geiger et al., IJRR 2013), as a folder of files.
+/// One drive of the KITTI raw recordings (Geiger et al., IJRR 2013), synchronised or as it was recorded.
 
 #include <filesystem>
 #include <optional>
@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "aslio/core/lie.hpp"
-#include "aslio/core/measurement.hpp"
+#include "folder_recording.hpp"
 
 namespace aslio::io {
 
 struct KittiScan {
   TimeNs begin = 0, end = 0;
-  std::filesystem::path file;
+  std::filesystem::path file;  ///< float32 x y z reflectance; .txt: lines of these
 };
 
 struct KittiDrive {
-  std::filesystem::path folder;
+  std::filesystem::path folder, oxts;              ///< oxts: whose packets were read
   std::vector<KittiScan> scans;                    ///< by number; those that are missing are left out
   std::vector<ImuSample> imu;                      ///< of the OXTS unit, in the units of its files [rad/s, m/s^2]
   std::size_t missing_scans = 0, missing_imu = 0;  ///< listed, with a time or an empty line, but without a file
@@ -28,11 +28,12 @@ struct KittiDrive {
 /// Throws DataError when there are several.
 std::optional<std::filesystem::path> find_kitti_drive(const std::filesystem::path& path);
 
-/// Reads everything but the points. Throws DataError with file:line.
+/// Reads everything but the points. A synchronised drive has the packets of OXTS at 10 Hz: where the unsynchronised
+/// one lies beside it (`_extract`), those at 100 Hz are taken. Throws DataError with file:line.
 KittiDrive read_kitti_drive(const std::filesystem::path& folder);
 
-/// Points of one scan with their times t_begin + (t_end - t_begin) (pi - atan2(y, x)) / (2 pi): the sensor turns
-/// clockwise and passes the rear at both ends. Returns the number of bytes left over (a file cut short), else 0.
-std::size_t read_kitti_scan(const KittiScan& scan, LidarPacket& packet);
+/// Points of one scan: x, y, z, intensity, t (ns from its begin), ring. Times are
+/// (t_end - t_begin) (pi - atan2(y, x)) / (2 pi): the sensor turns clockwise and passes the rear at both ends.
+void read_kitti_scan(const KittiScan& scan, PointTable& table);
 
 }  // namespace aslio::io

@@ -11,9 +11,9 @@
 #include <limits>
 #include <numbers>
 
+#include "../decode/decode.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/input_file.hpp"
-#include "decode/decode.hpp"
 
 namespace aslio::io {
 namespace {
@@ -52,8 +52,8 @@ std::optional<TimeNs> parse_time(std::string_view text) {
   }
   const std::chrono::year_month_day date{std::chrono::year{year}, std::chrono::month{static_cast<unsigned>(month)},
                                          std::chrono::day{static_cast<unsigned>(day)}};
-  // What is farther away does not fit 63 bits of nanoseconds.
-  if (!date.ok() || year < 1900 || year > 2100) return std::nullopt;
+  // What is farther away is a mistake, and no message can carry it.
+  if (!date.ok() || year < 1970 || year > 2100) return std::nullopt;
   const TimeNs days = std::chrono::sys_days{date}.time_since_epoch().count();
   return ((days * 24 + hour) * 60 + minute) * 60 * kSecond + second * kSecond + fraction;
 }
@@ -99,13 +99,13 @@ std::string numbered(std::size_t index, const char* extension) { return fmt::for
       list.string(), i + 1, data.string()));
 }
 
-void read_oxts(const fs::path& folder, KittiDrive& drive) {
+void read_oxts(KittiDrive& drive) {
   constexpr std::size_t kAcc = 11, kGyro = 17, kColumns = 20;
-  const fs::path list = folder / "timestamps.txt";
+  const fs::path list = drive.oxts / "timestamps.txt";
   const std::vector<std::optional<TimeNs>> times = read_times(list);
   std::string line;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const fs::path path = folder / "data" / numbered(i, ".txt");
+    const fs::path path = drive.oxts / "data" / numbered(i, ".txt");
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
       ++drive.missing_imu;
@@ -121,6 +121,15 @@ void read_oxts(const fs::path& folder, KittiDrive& drive) {
   }
 }
 
+/// Binary, or the text of an unsynchronised drive; empty where there is neither.
+fs::path scan_path(const fs::path& folder, std::size_t i) {
+  std::error_code ignored;
+  for (const char* extension : {".bin", ".txt"}) {
+    if (fs::path path = folder / numbered(i, extension); fs::exists(path, ignored)) return path;
+  }
+  return {};
+}
+
 void read_scan_list(const fs::path& folder, KittiDrive& drive) {
   const fs::path begin_list = folder / "timestamps_start.txt", end_list = folder / "timestamps_end.txt";
   const std::vector<std::optional<TimeNs>> begin = read_times(begin_list), end = read_times(end_list);
@@ -132,9 +141,8 @@ void read_scan_list(const fs::path& folder, KittiDrive& drive) {
     if (begin[i] && end[i] && *end[i] <= *begin[i]) {
       throw DataError(fmt::format("{}:{}: the scan ends before it begins", end_list.string(), i + 1));
     }
-    const fs::path path = folder / "data" / numbered(i, ".bin");
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) {
+    const fs::path path = scan_path(folder / "data", i);
+    if (path.empty()) {
       ++drive.missing_scans;
       continue;
     }
@@ -166,9 +174,65 @@ std::optional<Pose> read_calibration(const fs::path& path) {
   return T_velo_imu.inverse();
 }
 
+/// Where the packets of a drive are: of the unsynchronised drive beside a synchronised one, or its own. Empty: nowhere.
+fs::path oxts_of(const fs::path& drive) {
+  constexpr std::string_view kSync = "_sync";
+  std::error_code ignored;
+  const fs::path whole = fs::absolute(drive, ignored).lexically_normal();
+  const fs::path folder = whole.has_filename() ? whole : whole.parent_path();
+  if (std::string name = folder.filename().string(); name.ends_with(kSync)) {
+    name.replace(name.size() - kSync.size(), kSync.size(), "_extract");
+    const fs::path beside = folder.parent_path() / name / "oxts";
+    if (fs::exists(beside / "timestamps.txt", ignored) && fs::is_directory(beside / "data", ignored)) return beside;
+  }
+  return fs::is_directory(drive / "oxts", ignored) ? drive / "oxts" : fs::path{};
+}
+
+using RawPoint = std::array<float, 4>;  ///< x, y, z, reflectance
+
+std::vector<char> read_whole(const fs::path& path) {
+  std::ifstream file = open(path);  // a folder opens, too
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  if (error) {
+    throw DataError(fmt::format("{}: cannot be read as a scan ({}); put the scan of that number there, or remove it",
+                                path.string(), error.message()));
+  }
+  if (bytes > kLargestScan) throw DataError(fmt::format("{}: {} bytes are no scan", path.string(), bytes));
+  std::vector<char> raw(static_cast<std::size_t>(bytes));
+  if (!file.read(raw.data(), static_cast<std::streamsize>(raw.size()))) {
+    throw DataError(fmt::format("{}: cannot read", path.string()));
+  }
+  return raw;
+}
+
+std::vector<RawPoint> binary_points(const std::vector<char>& raw, std::string& damage) {
+  std::vector<RawPoint> points(raw.size() / sizeof(RawPoint));
+  if (!points.empty()) std::memcpy(points.data(), raw.data(), points.size() * sizeof(RawPoint));
+  if (raw.size() % sizeof(RawPoint) != 0) damage = "the file ends inside a point";
+  return points;
+}
+
+std::vector<RawPoint> text_points(const fs::path& path, const std::vector<char>& raw) {
+  std::vector<RawPoint> points;
+  std::string_view left(raw.data(), raw.size());
+  for (std::size_t number = 1; !left.empty(); ++number) {
+    const std::string_view line = left.substr(0, left.find('\n'));
+    left.remove_prefix(std::min(left.size(), line.size() + 1));
+    const std::vector<double> v = numbers(line);
+    if (v.size() == 4) {
+      points.push_back(
+          {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])});
+    } else if (line.find_first_not_of(" \t\r") != std::string_view::npos) {
+      bad_line(path, number, line, "a line of four numbers (x y z reflectance)");
+    }
+  }
+  return points;
+}
+
 bool is_drive(const fs::path& path) {
   std::error_code ignored;
-  return fs::is_directory(path / "velodyne_points", ignored) && fs::is_directory(path / "oxts", ignored);
+  return fs::is_directory(path / "velodyne_points", ignored) && !oxts_of(path).empty();
 }
 
 void collect_drives(const fs::path& path, int depth, std::vector<fs::path>& found) {
@@ -202,54 +266,40 @@ KittiDrive read_kitti_drive(const fs::path& folder) {
   KittiDrive drive;
   drive.folder = folder;
   read_scan_list(folder / "velodyne_points", drive);
-  read_oxts(folder / "oxts", drive);
+  drive.oxts = oxts_of(folder);
+  read_oxts(drive);
   drive.T_imu_velo = read_calibration(fs::absolute(folder).lexically_normal().parent_path() / "calib_imu_to_velo.txt");
   if (!drive.T_imu_velo) drive.T_imu_velo = read_calibration(folder / "calib_imu_to_velo.txt");
   return drive;
 }
 
-std::size_t read_kitti_scan(const KittiScan& scan, LidarPacket& packet) {
-  constexpr std::size_t kPointBytes = 16;  // float32 x, y, z, reflectance
-  std::ifstream file = open(scan.file);    // a folder opens, too
-  std::error_code error;
-  const std::uintmax_t bytes = fs::file_size(scan.file, error);
-  if (error) {
-    throw DataError(fmt::format("{}: cannot be read as a scan ({}); put the scan of that number there, or remove it",
-                                scan.file.string(), error.message()));
-  }
-  if (bytes > kLargestScan) throw DataError(fmt::format("{}: {} bytes are no scan", scan.file.string(), bytes));
-  std::vector<char> raw(static_cast<std::size_t>(bytes));
-  if (!file.read(raw.data(), static_cast<std::streamsize>(raw.size()))) {
-    throw DataError(fmt::format("{}: cannot read", scan.file.string()));
-  }
-  const std::size_t count = raw.size() / kPointBytes;
-  packet.stamp = scan.begin;
-  packet.points.clear();
-  packet.points.reserve(count);
+void read_kitti_scan(const KittiScan& scan, PointTable& table) {
+  table.columns = {{"x", 0, 7}, {"y", 4, 7}, {"z", 8, 7}, {"intensity", 12, 7}, {"t", 16, 6}, {"ring", 20, 2}};
+  table.point_step = 21;
+  const std::vector<char> raw = read_whole(scan.file);
+  const std::vector<RawPoint> points =
+      scan.file.extension() == ".txt" ? text_points(scan.file, raw) : binary_points(raw, table.damage);
+  table.bytes.resize(points.size() * table.point_step);
   const double turn = static_cast<double>(scan.end - scan.begin) / (2 * std::numbers::pi);
   constexpr double pi = std::numbers::pi;
   double last = 0;  // azimuth, counted from ahead [rad]
   std::uint8_t line = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::array<float, 4> v{};
-    std::memcpy(v.data(), raw.data() + i * kPointBytes, kPointBytes);
-    if (!decode::is_return(v[0], v[1], v[2])) continue;
-    TimedPoint& point = packet.points.emplace_back();
-    point.x = v[0];
-    point.y = v[1];
-    point.z = v[2];
-    point.intensity = v[3];
-    const double azimuth = std::atan2(double{v[1]}, double{v[0]});
-    point.t = scan.begin + std::llround(turn * (pi - azimuth));
-    // The file has laser after laser, the highest first, each from ahead over the left once round.
-    const double from_ahead = azimuth < 0 ? azimuth + 2 * pi : azimuth;
-    if (from_ahead < last - pi && line < std::numeric_limits<std::uint8_t>::max()) ++line;
-    last = from_ahead;
-    point.line = line;
-    point.sweep_id = packet.sweep_id;
+  std::uint8_t* to = table.bytes.data();
+  for (const RawPoint& v : points) {
+    std::memcpy(to, v.data(), sizeof(v));
+    if (decode::is_return(v[0], v[1], v[2])) {
+      const double azimuth = std::atan2(double{v[1]}, double{v[0]});
+      constexpr double kLongest = std::numeric_limits<std::uint32_t>::max();
+      const auto t = static_cast<std::uint32_t>(std::llround(std::min(turn * (pi - azimuth), kLongest)));
+      std::memcpy(to + 16, &t, sizeof(t));
+      // The file has laser after laser, the highest first, each from ahead over the left once round.
+      const double from_ahead = azimuth < 0 ? azimuth + 2 * pi : azimuth;
+      if (from_ahead < last - pi && line < std::numeric_limits<std::uint8_t>::max()) ++line;
+      last = from_ahead;
+      to[20] = line;
+    }
+    to += table.point_step;
   }
-  packet.dropped_invalid = count - packet.points.size();
-  return raw.size() % kPointBytes;
 }
 
 }  // namespace aslio::io
