@@ -104,6 +104,10 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   sensor.from_file = true;
   b.text("lidar_topic", sensor.lidar_topic, "LiDAR topic of a bag; empty: the only one of a known type");
   b.text("imu_topic", sensor.imu_topic, "IMU topic of a bag; empty: the only one");
+  b.text("scan_columns", sensor.scan_columns,
+         "columns of the .bin scans of a folder, like `x y z intensity time ring:u16`; float32 where no type is named");
+  b.text("imu_columns", sensor.imu_columns,
+         "columns of a folder's IMU table that does not name them, like `timestamp wx wy wz ax ay az`");
   b.choice("acc_unit", sensor.acc_unit, {{"auto", AccUnit::automatic}, {"g", AccUnit::g}, {"mps2", AccUnit::mps2}},
            "unit of the acceleration; auto: by its norm in the first second");
   b.choice("gyro_unit", sensor.gyro_unit,

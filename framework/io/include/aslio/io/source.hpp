@@ -47,6 +47,9 @@ struct InputTimes {
 struct SensorConfig {
   static constexpr double kMaxSensitivity = 0.2, kMaxDelay = 1.0;  ///< larger entries, and delays [s], are mistakes
   std::string lidar_topic, imu_topic;
+  std::string
+      scan_columns;  ///< of a folder's .bin files: `x y z intensity time ring:u16`; float32 where nothing is said
+  std::string imu_columns;  ///< of a folder's table of an IMU that has no line of names: `timestamp wx wy wz ax ay az`
   AccUnit acc_unit = AccUnit::automatic;
   GyroUnit gyro_unit = GyroUnit::automatic;
   bool livox_tag_filter = true;     ///< keep (tag & 0x30) in {0x00, 0x10} (first or strongest return)
@@ -97,9 +100,9 @@ struct Section {
   std::optional<double> duration;
 };
 
-/// Opens a recording of messages (a bag, a rosbag2 database, a folder or pattern of parts) or a KITTI raw drive, by
-/// what it is. Checks topics and types at once; throws DataError that names the file, what was found and the remedy; a
-/// pipe or device is refused without being opened.
+/// Opens a recording of messages (a bag, MCAP file or rosbag2 database, a folder or pattern of parts) or a folder of files
+/// (a KITTI raw drive, scans with a table of an IMU), by what it is. Checks topics and types at once; throws DataError
+/// that names the file, what was found and the remedy; a pipe or device is refused without being opened.
 std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
                                                const Section& section = {});
 

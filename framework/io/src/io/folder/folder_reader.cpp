@@ -31,7 +31,8 @@ std::string printable(std::string name) {
 
 FolderReader::FolderReader(FolderRecording recording) : recording_(std::move(recording)) {
   for (const ImuTrack& imu : recording_.imus) add_track(imu.topic, false, stamps_of(imu.samples, &ImuSample::t));
-  for (const ScanTrack& lidar : recording_.lidars) add_track(lidar.topic, true, stamps_of(lidar.scans, &ScanFile::stamp));
+  for (const ScanTrack& lidar : recording_.lidars)
+    add_track(lidar.topic, true, stamps_of(lidar.scans, &ScanFile::stamp));
 }
 
 void FolderReader::add_track(const std::string& topic, bool scans, const std::vector<TimeNs>& stamps) {
@@ -50,16 +51,18 @@ void FolderReader::add_track(const std::string& topic, bool scans, const std::ve
   std::size_t backward = 0;
   for (std::size_t i = 1; i < stamps.size(); ++i) backward += stamps[i] < stamps[i - 1] ? 1 : 0;
   if (backward > 0) {
-    recording_.warnings.push_back(fmt::format("{}: {} stamps lie before their predecessor: all were put in the order of "
-                                              "time",
-                                              connection.topic, backward));
+    recording_.warnings.push_back(
+        fmt::format("{}: {} stamps lie before their predecessor: all were put in the order of "
+                    "time",
+                    connection.topic, backward));
   }
   if (!track.stamps.empty()) {
     for (const TimeNs t : {track.stamps.front(), track.stamps.back()}) {
       if (t >= 0 && t < kEndOfStamps) continue;
-      throw DataError(fmt::format("{}: {}: a stamp of {:.3f} s lies before 1970 or after 2106; correct it, or remove "
-                                  "what has it",
-                                  recording_.folder.string(), connection.topic, to_seconds(t)));
+      throw DataError(
+          fmt::format("{}: {}: a stamp of {:.3f} s lies before 1970 or after 2106; correct it, or remove "
+                      "what has it",
+                      recording_.folder.string(), connection.topic, to_seconds(t)));
     }
     begin_ = std::min(begin_.value_or(kTimeMax), track.stamps.front());
     end_ = std::max(end_.value_or(kTimeMin), track.stamps.back());

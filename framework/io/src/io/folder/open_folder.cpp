@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "../recording_source.hpp"
 #include "aslio/core/errors.hpp"
+#include "folder_plan.hpp"
 #include "folder_reader.hpp"
 #include "kitti_drive.hpp"
 #include "kitti_recording.hpp"
@@ -15,15 +18,44 @@ namespace fs = std::filesystem;
 
 FolderRecording find_recording(const fs::path& path, const SensorConfig& sensor) {
   if (const auto drive = find_kitti_drive(path)) return kitti_recording(*drive, sensor);
-  throw DataError(
-      fmt::format("{}: this folder holds no KITTI raw drive (velodyne_points/ and oxts/); name a bag, or a drive folder",
-                  path.string()));
+  if (const auto plan = plan_any_folder(path, sensor)) return load_folder(*plan, sensor);
+  throw DataError(fmt::format(
+      "{}: this folder holds no recording that can be read; it holds {}; expected is a bag, or one of:\n"
+      "  KITTI raw drive: velodyne_points/ and oxts/\n"
+      "  folder of scans: .pcd, .ply or .bin files named by their times, and a table of an IMU (.csv, .txt) "
+      "whose first line names its columns",
+      path.string(), holdings(path)));
 }
 
 /// Without the name of a topic that cannot be meant.
 template <class Track>
 std::string topic_in(const std::vector<Track>& tracks, const std::string& topic) {
   return tracks.size() == 1 ? std::string{} : topic;
+}
+
+struct Extent {
+  TimeNs begin = kTimeMax, end = kTimeMin;
+
+  void add(TimeNs t) {
+    begin = std::min(begin, t);
+    end = std::max(end, t);
+  }
+  std::string text() const { return fmt::format("from {:.3f} to {:.3f} s", to_seconds(begin), to_seconds(end)); }
+};
+
+/// Odometry with times that never meet would fail later, and not say why.
+void require_common_time(const FolderRecording& recording) {
+  constexpr TimeNs kApart = kSecond;
+  if (recording.lidars.size() != 1 || recording.imus.size() != 1) return;  // no telling which will be used
+  Extent scans, samples;
+  for (const ScanFile& scan : recording.lidars[0].scans) scans.add(scan.stamp);
+  for (const ImuSample& sample : recording.imus[0].samples) samples.add(sample.t);
+  const bool empty = scans.begin > scans.end || samples.begin > samples.end;
+  if (empty || (samples.begin <= scans.end + kApart && samples.end >= scans.begin - kApart)) return;
+  throw DataError(fmt::format(
+      "{}: the scans of {} ({}) and the IMU samples of {} ({}) do not meet: their clocks differ, or they are of two "
+      "recordings; give the stamps of both in one clock",
+      recording.folder.string(), recording.lidars[0].topic, scans.text(), recording.imus[0].topic, samples.text()));
 }
 
 }  // namespace
@@ -36,6 +68,7 @@ std::unique_ptr<MeasurementSource> open_folder_source(const fs::path& path, cons
                                                       const Section& section) {
   auto reader = std::make_unique<FolderReader>(find_recording(path, sensor));
   const std::string name = reader->recording().folder.string();
+  require_common_time(reader->recording());
   SensorConfig chosen = sensor;
   chosen.lidar_topic = topic_in(reader->recording().lidars, sensor.lidar_topic);
   chosen.imu_topic = topic_in(reader->recording().imus, sensor.imu_topic);
