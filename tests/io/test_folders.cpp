@@ -197,7 +197,8 @@ TEST_CASE("a table of an IMU that cannot be read says why, and where") {
   table(header);
   CHECK(contains(refusal(folder.path(), sensor), "imu.csv: there is no IMU sample"));
   table("1600000000000000000,0,0,0,0,0,9.8\n");
-  CHECK(contains(refusal(folder.path(), sensor), "there is no IMU topic"));
+  CHECK(contains(refusal(folder.path(), sensor), "there is no IMU in this folder of scans: put a table"));
+  CHECK_FALSE(inspect(folder.path(), sensor).usable);
   table("1600000000000000000,0.5,0,0,0,0,9.8\n1600000000010000000,0,0,0,0,0,9.8\n1600000000020000000,0,0");
   SensorConfig named = sensor;
   named.imu_columns = "timestamp wx wy wz ax ay az";

@@ -223,6 +223,7 @@ TEST_CASE("columns are declared by name and type") {
   CHECK(columns.all()[4].offset == 13);
   CHECK(contains(data_error([] { declared_columns("x y:f16 z", "here"); }),
                  "here: 'y:f16' in `scan_columns: x y:f16 z`"));
+  CHECK(contains(data_error([] { declared_columns(" ,", "here"); }), "names no column"));
   PointTable table;
   parse_bin(Bytes(50), columns, table);
   CHECK(table.bytes.size() == 46);

@@ -57,6 +57,10 @@ class FolderSearch {
   FolderPlan find() {
     plan_.kind = "folder of scans";
     plan_.folder = root_;
+    plan_.without_imu =
+        "put a table (.csv, .txt) beside the scans whose first line names its columns, like "
+        "`timestamp,wx,wy,wz,ax,ay,az`, "
+        "or name those of a table with `imu` in its name in `imu_columns` of the sensor file";
     look_into(root_, kDepth);
     return std::move(plan_);
   }
@@ -68,7 +72,7 @@ class FolderSearch {
     if (!contents.scan.empty()) add_lidar(folder, contents.scan);
     for (const fs::path& table : contents.tables) {
       if (++tables_ <= kMaxTables && is_imu(table)) {
-        plan_.imus.push_back({name_below(table, root_), table, {}, Vec3::Ones()});
+        plan_.imus.push_back({name_below(table, root_), table, {}});
       }
     }
     for (const fs::path& below : contents.folders) {

@@ -162,6 +162,7 @@ FileColumns declared_columns(std::string_view text, const std::string& where) {
         column ? columns.add(std::move(*column)) : "its type is none of f32, f64, i8 to i64, u8 to u64";
     if (!why.empty()) throw DataError(fmt::format("{}: '{}' in `scan_columns: {}`: {}", where, word, all, why));
   }
+  if (columns.all().empty()) throw DataError(fmt::format("{}: `scan_columns: {}` names no column", where, all));
   return columns;
 }
 

@@ -27,8 +27,11 @@ ScanTrack load_lidar(const LidarPlan& plan, const SensorConfig& sensor, std::vec
   auto files = std::make_shared<LidarFiles>();
   std::string verdict;
   files->scans = list_scans(plan.folder, sensor.model.sweep_period, verdict);
-  files->columns = declared_columns(plan.columns, plan.folder.string());
-  files->later_columns = declared_columns(plan.later_columns, plan.folder.string());
+  const auto columns_of = [&](const std::string& columns) {
+    return columns.empty() ? FileColumns{} : declared_columns(columns, plan.folder.string());
+  };
+  files->columns = columns_of(plan.columns);
+  files->later_columns = columns_of(plan.later_columns);
   files->later_from = plan.later_from;
   if (!verdict.empty()) verdicts.push_back(verdict);
   ScanTrack track;
@@ -46,17 +49,13 @@ FolderRecording load_folder(const FolderPlan& plan, const SensorConfig& sensor) 
   recording.folder = plan.folder;
   recording.verdicts = plan.verdicts;
   recording.warnings = plan.warnings;
+  recording.without_imu = plan.without_imu;
   for (const LidarPlan& lidar : plan.lidars) {
     recording.lidars.push_back(load_lidar(lidar, sensor, recording.verdicts));
   }
   for (const ImuPlan& imu : plan.imus) {
     const std::string columns = imu.columns.empty() ? sensor.imu_columns : imu.columns;
-    ImuTrack track{imu.topic, read_imu_table(imu.file, columns, recording.verdicts, recording.warnings)};
-    for (ImuSample& sample : track.samples) {
-      sample.gyro = sample.gyro.cwiseProduct(imu.signs);
-      sample.acc = sample.acc.cwiseProduct(imu.signs);
-    }
-    recording.imus.push_back(std::move(track));
+    recording.imus.push_back({imu.topic, read_imu_table(imu.file, columns, recording.verdicts, recording.warnings)});
   }
   return recording;
 }

@@ -22,8 +22,7 @@ struct LidarPlan {
 struct ImuPlan {
   std::string topic;
   std::filesystem::path file;
-  std::string columns;        ///< where the file names none
-  Vec3 signs = Vec3::Ones();  ///< that turn the axes of the file to those of the IMU frame
+  std::string columns;  ///< where the file names none
 };
 
 struct FolderPlan {
@@ -32,10 +31,21 @@ struct FolderPlan {
   std::vector<LidarPlan> lidars;
   std::vector<ImuPlan> imus;
   std::vector<std::string> verdicts, warnings;
+  std::string without_imu;  ///< what to do where there is no IMU
 };
 
 /// Lists the scans and reads the IMU samples. Throws DataError.
 FolderRecording load_folder(const FolderPlan& plan, const SensorConfig& sensor);
+
+/// Folders of public data sets; nullopt where `path` is none. Velodyne scans of KITTI's odometry benchmark with
+/// times.txt.
+std::optional<FolderPlan> plan_kitti_odometry(const std::filesystem::path& path);
+/// The raw format of the Newer College Dataset (2020): ouster_scan/cloud_SEC_NSEC.pcd, ouster_imu.csv.
+std::optional<FolderPlan> plan_newer_college(const std::filesystem::path& path);
+/// Boreas and Boreas Road Trip: lidar/US.bin, aeva/US.bin, imu/*.csv or applanix/imu*.csv.
+std::optional<FolderPlan> plan_boreas(const std::filesystem::path& path);
+/// HeLiPR: Aeva, Avia, Ouster and Velodyne with NS.bin, xsens_imu.csv.
+std::optional<FolderPlan> plan_helipr(const std::filesystem::path& path);
 
 /// Any folder with scans (.bin, .pcd, .ply) in it or up to two folders below, each folder a LiDAR; tables that name the
 /// columns of an IMU are IMUs. nullopt where there is no scan. Throws DataError for .bin files without `scan_columns`.

@@ -46,6 +46,7 @@ struct FolderRecording {
   std::vector<ImuTrack> imus;
   std::vector<ScanTrack> lidars;
   std::vector<std::string> verdicts, warnings;
+  std::string without_imu;  ///< what to do where there is no IMU
 };
 
 }  // namespace aslio::io

@@ -16,21 +16,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kExpected =
+    "\n  KITTI raw drive: velodyne_points/ and oxts/"
+    "\n  KITTI odometry sequence: velodyne/ and times.txt"
+    "\n  HeLiPR sequence: Aeva/, Avia/, Ouster/ or Velodyne/, and xsens_imu.csv"
+    "\n  Boreas sequence: lidar/, and imu/ or applanix/"
+    "\n  Newer College sequence: ouster_scan/ and ouster_imu.csv"
+    "\n  folder of scans: .pcd, .ply or .bin files named by their times, and a table of an IMU (.csv, .txt) whose "
+    "first "
+    "line names its columns";
+
 FolderRecording find_recording(const fs::path& path, const SensorConfig& sensor) {
   if (const auto drive = find_kitti_drive(path)) return kitti_recording(*drive, sensor);
+  for (const auto plan_known : {&plan_kitti_odometry, &plan_helipr, &plan_boreas, &plan_newer_college}) {
+    if (const auto plan = plan_known(path)) return load_folder(*plan, sensor);
+  }
   if (const auto plan = plan_any_folder(path, sensor)) return load_folder(*plan, sensor);
-  throw DataError(fmt::format(
-      "{}: this folder holds no recording that can be read; it holds {}; expected is a bag, or one of:\n"
-      "  KITTI raw drive: velodyne_points/ and oxts/\n"
-      "  folder of scans: .pcd, .ply or .bin files named by their times, and a table of an IMU (.csv, .txt) "
-      "whose first line names its columns",
-      path.string(), holdings(path)));
+  throw DataError(
+      fmt::format("{}: this folder holds no recording that can be read; it holds {}; expected is a bag, or one of:{}",
+                  path.string(), holdings(path), kExpected));
 }
 
 /// Without the name of a topic that cannot be meant.
 template <class Track>
 std::string topic_in(const std::vector<Track>& tracks, const std::string& topic) {
   return tracks.size() == 1 ? std::string{} : topic;
+}
+
+void require_imu(const FolderRecording& recording) {
+  if (!recording.imus.empty()) return;
+  throw DataError(fmt::format("{}: there is no IMU in this {}: {}", recording.folder.string(), recording.kind,
+                              recording.without_imu));
 }
 
 struct Extent {
@@ -68,6 +84,7 @@ std::unique_ptr<MeasurementSource> open_folder_source(const fs::path& path, cons
                                                       const Section& section) {
   auto reader = std::make_unique<FolderReader>(find_recording(path, sensor));
   const std::string name = reader->recording().folder.string();
+  require_imu(reader->recording());
   require_common_time(reader->recording());
   SensorConfig chosen = sensor;
   chosen.lidar_topic = topic_in(reader->recording().lidars, sensor.lidar_topic);
