@@ -59,19 +59,29 @@ struct Extent {
   std::string text() const { return fmt::format("from {:.3f} to {:.3f} s", to_seconds(begin), to_seconds(end)); }
 };
 
+/// nullptr where none is named, or no such.
+template <class Track>
+const Track* chosen(const std::vector<Track>& tracks, const std::string& topic) {
+  if (tracks.size() == 1) return &tracks.front();
+  const auto found = std::find_if(tracks.begin(), tracks.end(), [&](const Track& t) { return t.topic == topic; });
+  return found == tracks.end() ? nullptr : &*found;
+}
+
 /// Odometry with times that never meet would fail later, and not say why.
-void require_common_time(const FolderRecording& recording) {
+void require_common_time(const FolderRecording& recording, const SensorConfig& sensor) {
   constexpr TimeNs kApart = kSecond;
-  if (recording.lidars.size() != 1 || recording.imus.size() != 1) return;  // no telling which will be used
+  const ScanTrack* lidar = chosen(recording.lidars, sensor.lidar_topic);
+  const ImuTrack* imu = chosen(recording.imus, sensor.imu_topic);
+  if (lidar == nullptr || imu == nullptr) return;
   Extent scans, samples;
-  for (const ScanFile& scan : recording.lidars[0].scans) scans.add(scan.stamp);
-  for (const ImuSample& sample : recording.imus[0].samples) samples.add(sample.t);
+  for (const ScanFile& scan : lidar->scans) scans.add(scan.stamp);
+  for (const ImuSample& sample : imu->samples) samples.add(sample.t);
   const bool empty = scans.begin > scans.end || samples.begin > samples.end;
   if (empty || (samples.begin <= scans.end + kApart && samples.end >= scans.begin - kApart)) return;
   throw DataError(fmt::format(
       "{}: the scans of {} ({}) and the IMU samples of {} ({}) do not meet: their clocks differ, or they are of two "
       "recordings; give the stamps of both in one clock",
-      recording.folder.string(), recording.lidars[0].topic, scans.text(), recording.imus[0].topic, samples.text()));
+      recording.folder.string(), lidar->topic, scans.text(), imu->topic, samples.text()));
 }
 
 }  // namespace
@@ -85,7 +95,7 @@ std::unique_ptr<MeasurementSource> open_folder_source(const fs::path& path, cons
   auto reader = std::make_unique<FolderReader>(find_recording(path, sensor));
   const std::string name = reader->recording().folder.string();
   require_imu(reader->recording());
-  require_common_time(reader->recording());
+  require_common_time(reader->recording(), sensor);
   SensorConfig chosen = sensor;
   chosen.lidar_topic = topic_in(reader->recording().lidars, sensor.lidar_topic);
   chosen.imu_topic = topic_in(reader->recording().imus, sensor.imu_topic);
