@@ -32,9 +32,9 @@ struct TopicReport {
 
 struct InputReport {
   std::filesystem::path path;
-  std::string kind;  ///< "ROS1 bag" or "KITTI raw drive"
+  std::string kind;  ///< "ROS1 bag", "KITTI raw drive", ..
   std::uint64_t bytes = 0;
-  TimeNs begin = 0, end = 0;  ///< record time of a bag, data time of a drive
+  TimeNs begin = 0, end = 0;  ///< record time of a bag, data time of a folder
   InputStatus status = InputStatus::complete;
   std::vector<TopicReport> topics;  ///< by name
   std::vector<std::string> warnings;
