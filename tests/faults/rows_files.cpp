@@ -109,14 +109,14 @@ std::vector<Row> damaged() {
        .injected = "the bag ends after 60 % of its bytes",
        .expected = {.status = {"truncated"}, .exit = {3}, .counters = {{"packets", 8}}},
        .run = with({.damage = [](const fs::path& bag) { fs::resize_file(bag, fs::file_size(bag) * 6 / 10); }}),
-       .also = "poses of what is whole are there",
+       .also = "poses of the complete part are there",
        .check = [](const Outcome& o) { CHECK(o.times.size() >= 8); }});
   rows.push_back({.number = 54,
                   .name = "bag_index_missing",
-                  .injected = "the bag has no index, as a recorder leaves it that was killed",
+                  .injected = "the bag has no index, as after a recorder was killed",
                   .expected = {.status = {"ok", "truncated"}, .exit = {0, 3}},
                   .run = with({.form = {.options = {Compression::none, 768 * 1024, false}}}),
-                  .also = "the trajectory is that with an index, to the last byte",
+                  .also = "the trajectory equals that with an index, to the last byte",
                   .check = [](const Outcome& o) { CHECK((o.trajectory == run_with(two_seconds()).trajectory)); }});
   rows.push_back(
       {.number = 55,
@@ -153,7 +153,7 @@ std::vector<Row> of_another_kind() {
   std::vector<Row> rows;
   rows.push_back({.number = 58,
                   .name = "topic_wrong_type",
-                  .injected = "the sensor file names the topics the wrong way round",
+                  .injected = "the sensor file swaps the topics",
                   .expected = {.exit = {3}, .says = {"look swapped"}},
                   .run = with({.sensor_lines = {"lidar_topic: /imu", "imu_topic: /points"}})});
   rows.push_back(

@@ -84,7 +84,7 @@ std::vector<Row> readings() {
                   .run = with(add_gyro_bias({kAt}, Vec3(0, 0, 0.02))),
                   .also = "the new bias is known to 0.004 rad/s at the end",
                   .check = [](const Outcome& o) { CHECK(std::abs(learnt_bias(o) - 0.02) < 0.004); },
-                  .note = "the bias itself is looked at in place of NEES, which no output of a run holds."});
+                  .note = "the test checks the bias, because no output of a run holds the NEES."});
   return rows;
 }
 
@@ -115,7 +115,7 @@ std::vector<Row> units_and_rates() {
   rows.push_back(
       {.number = 19,
        .name = "imu_jitter_5ms_stamps",
-       .injected = "stamps of the IMU are off by 5 ms (one standard deviation), so that samples change places",
+       .injected = "stamps of the IMU are off by 5 ms (one standard deviation), so that samples change their order",
        .expected = {.status = {"ok", "degraded"}, .ate_times = 1.1, .ate_plus = 0.005},
        .run = with(jitter_imu_stamps({}, 0.005, 101))});
   rows.push_back({.number = 20,
@@ -177,8 +177,8 @@ std::vector<Row> stamps() {
                   .also = "a new segment that is tracked to the end",
                   .check = &check_begun_again,
                   .note =
-                      "both clocks jump, as a host does that has its time set; where that of the IMU jumps alone, the "
-                      "two no longer belong together, and the run ends with `failed` and the reason."});
+                      "both clocks jump, as those of a host whose time is set. If the clock of the IMU jumps alone, "
+                      "the two do not fit together. The run then ends with `failed` and the reason."});
   rows.push_back({.number = 11,
                   .name = "imu_time_forward_1h",
                   .injected = "both clocks jump forward by an hour at 6 s",

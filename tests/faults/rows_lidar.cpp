@@ -131,7 +131,7 @@ std::vector<Row> empty_and_spoilt() {
                   .injected = "all points lie 1e6 m away",
                   .expected = {.status = {"failed"}, .exit = {3}, .counters = {{"points_invalid", 400'000}}},
                   .run = with(alter_points({}, [](TimedPoint& p) { p.x += 1e6F; })),
-                  .note = "the world has its origin where the run begins, so only points can be that far away."});
+                  .note = "the origin of the world is the start of the run, so only points can be that far away."});
   return rows;
 }
 
@@ -161,7 +161,7 @@ std::vector<Row> missing_and_repeated() {
                         CHECK(o.updates.at("segment").back() == "1");
                         CHECK(o.tracking.back() == "ok");
                       },
-                  .note = "`max_gap` decides what is too long, so a little more than that is the harder case."});
+                  .note = "`max_gap` is the limit, so a little more than that is the harder case."});
   rows.push_back({.number = 31,
                   .name = "duplicate_scan",
                   .injected = "every LiDAR message of 2 s comes twice",
@@ -181,7 +181,7 @@ std::vector<Row> missing_and_repeated() {
                         CHECK(o.updates.at("segment").back() == "1");
                         CHECK(o.tracking.back() == "ok");
                       },
-                  .note = "as row 10, and the time of the jump is one that the run has seen already."});
+                  .note = "as row 10, and the run has already used the times it jumps to."});
   return rows;
 }
 
@@ -204,14 +204,14 @@ std::vector<Row> point_times() {
   rows.push_back(
       {.number = 34,
        .name = "point_time_units_wrong",
-       .injected = "the time field counts microseconds where others count nanoseconds",
+       .injected = "the time field counts microseconds, others count nanoseconds",
        .expected = {.status = {"ok"}, .ate_times = 1.1, .ate_plus = 0.001},
        .run = with([](Measurements&) {}, {.form = {.time_unit = 1000}}),
        .also = "a note says so",
        .check = [](const Outcome& o) { CHECK_THAT(o.summary.at("notes").dump(), Catch::Matchers::Contains(" us")); }});
   rows.push_back({.number = 35,
                   .name = "point_times_unsorted",
-                  .injected = "the points of each message come in the order of falling time",
+                  .injected = "the points of each message come in descending order of time",
                   .expected = {.status = {"ok"}, .counters = {{"points_reordered", 1000}}},
                   .run = with(unsorted()),
                   .also = "the clean trajectory, to the last byte",
@@ -235,7 +235,7 @@ std::vector<Row> point_times() {
                   .run = with(delay_imu({kAt, 3})),
                   .also = "the clean trajectory, to the last byte",
                   .check = &check_same_as_clean,
-                  .note = "what comes is waited for; what happens where it does not is row 7."});
+                  .note = "the run waits for late data; row 7 is the case without them."});
   return rows;
 }
 
@@ -248,7 +248,7 @@ std::vector<Row> few_and_wrong() {
                   .run = with(thin_packets({kAt, 3}, 100)),
                   .also = "recovered after 1 s",
                   .check = [](const Outcome& o) { check_recovered(o, kAt + 3, 1); },
-                  .note = "a hundred points that match bind a pose; the error counts, not a number of points."});
+                  .note = "a hundred matched points bind a pose; the error counts, not the number of points."});
   rows.push_back({.number = 39,
                   .name = "dynamic_objects_40pct",
                   .injected = "two fifths of the view are a wall that moves",

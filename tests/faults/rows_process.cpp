@@ -79,7 +79,7 @@ std::vector<Row> outputs() {
                   .injected = "SIGTERM in the middle of the run",
                   .expected = {.status = {"interrupted"}, .exit = {130}, .says = {"interrupted"}},
                   .run = with({.during = &terminate}),
-                  .also = "what there was has been written",
+                  .also = "the output up to that moment is written",
                   .check = [](const Outcome& o) {
                     CHECK(has(o, "manifest.json"));
                     CHECK(!o.times.empty());
@@ -105,7 +105,7 @@ std::vector<Row> plugins() {
                   }});
   rows.push_back({.number = 66,
                   .name = "plugin_returns_nan",
-                  .injected = "a residual of a plugin says that every point is off by what is not a number",
+                  .injected = "a residual of a plugin is not a number at every point",
                   .expected = {.status = {"failed", "diverged"}, .exit = {1}, .says = {"finite"}},
                   .run = with(with_plugin(ASLIO_FAULTY_PLUGIN, "estimator.residual={type: faulty}"))});
   rows.push_back({.number = 67,
@@ -126,8 +126,8 @@ std::vector<Row> time_and_memory() {
        .run = &run_starved,
        .also = "the clean trajectory, to the last byte",
        .check = &check_same_as_clean,
-       .note = "a recording waits for the program: nothing is dropped, nothing queues, and nothing may depend on the "
-               "time that it takes."});
+       .note = "a recording waits for the program: it drops and queues nothing, and nothing may depend on the run "
+               "time."});
   rows.push_back({.number = 69,
                   .name = "two_runs_same_bag",
                   .injected = "the clean walk once more",
@@ -158,7 +158,7 @@ std::vector<Row> time_and_memory() {
                   .note = "`tools/soak HOURS` measures the slope per hour of data; a day does not fit into a test."});
   rows.push_back({.number = 72,
                   .name = "map_cap_reached",
-                  .injected = "`map.radius: 6`: what is farther than 6 m is forgotten",
+                  .injected = "`map.radius: 6`: the map forgets points farther than 6 m",
                   .expected = {.status = {"ok", "degraded"}, .ate_times = 3, .ate_plus = 0.03},
                   .run = with({.set = {"map.radius=6"}}),
                   .also = "no more memory than with the whole map",

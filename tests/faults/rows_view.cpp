@@ -106,7 +106,7 @@ std::vector<Row> degenerate() {
   rows.push_back(
       {.number = 42,
        .name = "corridor",
-       .injected = "nothing but floor, ceiling and two long walls is there",
+       .injected = "there is only a floor, a ceiling and two long walls",
        .expected = {.status = {"degraded", "diverged", "failed"}},
        .run = seeing(
            {{Vec3::UnitZ(), kFloor}, {Vec3::UnitZ(), kCeiling}, {Vec3::UnitY(), kLeft}, {Vec3::UnitY(), kRight}}, 30),
@@ -145,7 +145,7 @@ std::vector<Row> view_rows() {
                         return run_over(altered(walk.data, teleport(cut)), teleported(walk.truth, walk.begin(), cut),
                                         walk.sensor);
                       },
-                  .also = "lost within 1 s of the jump; what follows is a segment with a map of its own",
+                  .also = "lost within 1 s of the jump; then a segment with a map of its own",
                   .check =
                       [cut](const Outcome& o) {
                         check_lost(o, cut.begin, 1);

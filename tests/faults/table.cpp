@@ -79,13 +79,13 @@ std::string title(const Row& row) { return fmt::format("fault {:02d} {}", row.nu
 std::string to_markdown(const std::vector<Row>& rows) {
   std::string text =
       "# Faults\n\n"
-      "What `aslio run` makes of bad input: one simulated walk (12 s, a LiDAR that sees all round, 6700 points per "
-      "sweep),\n"
-      "`as_lio_plus`, and one fault at a time. Each row is a test case (`ctest -L faults`); \"clean\" is the same walk "
-      "without\n"
-      "the fault. This page is made by `ASLIO_WRITE_FAULTS=1 build/dev/tests/faults/test_faults \"the table*\"`, and a "
-      "test holds it against "
-      "that.\n\n"
+      "What `aslio run` makes of bad input, one fault at a time. The input is one simulated walk of 12 s with a LiDAR "
+      "of\n"
+      "360 deg, 6700 points per sweep. The pipeline is `as_lio_plus`. Each row is a test case (`ctest -L faults`); "
+      "\"clean\" is the\n"
+      "same walk without the fault. "
+      "`ASLIO_WRITE_FAULTS=1 build/dev/tests/faults/test_faults \"the table*\"` writes this page, and a\n"
+      "test compares it with the rows.\n\n"
       "| | fault | what is injected | required, and what happens | test |\n|---|---|---|---|---|\n";
   std::string notes, pending;
   for (const Row& row : rows) {
