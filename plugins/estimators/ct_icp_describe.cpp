@@ -5,8 +5,8 @@ namespace aslio::plugins {
 void CtIcp::describe(config::Binder& b, Params& p) {
   using Noise = ImuNoisePreset::Kind;
   b.choice("prediction", p.prediction, {{"constant_velocity", Prediction::constant_velocity}, {"imu", Prediction::imu}},
-           "where the first guess comes from: the motion goes on as before, and no IMU data is read; or the IMU, whose "
-           "velocity and biases are then learnt from the poses that were found");
+           "where the first guess comes from: the motion goes on as before, and no IMU data is read; or the IMU. Then "
+           "the estimated poses give its velocity and biases");
   b.integer("max_iterations", p.max_iterations, "", {.min = 1, .max = 100}, "searches for neighbours at most");
   b.integer("max_steps", p.max_steps, "", {.min = 1, .max = 100}, "Gauss-Newton steps per search at most");
   b.real("converged_m", p.converged_m, "m", {.above = 0, .max = 1},
@@ -18,7 +18,7 @@ void CtIcp::describe(config::Binder& b, Params& p) {
          "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
          "(rotation at a 5 m lever arm)");
   b.real("location", p.location, "", {.min = 0, .max = 1e6},
-         "weight of the begin's distance from the end of the window before, in residuals of the mean point");
+         "weight of the distance of the start from the end of the window before, in residuals of the mean point");
   b.real("orientation", p.orientation, "", {.min = 0, .max = 1e6},
          "the same for its attitude, a radian counting as a metre");
   b.real("displacement", p.displacement, "", {.min = 0, .max = 1e6},

@@ -13,8 +13,9 @@ void FixedLagSmoother::describe(config::Binder& b, Params& p) {
   LagWindow::Params& w = p.window;
   b.integer("lag", w.lag, "", {.min = 2, .max = 1000}, "states that are smoothed together");
   b.integer("max_iterations", w.max_iterations, "", {.min = 1, .max = 1000}, "iterations of the smoother at most");
-  b.real("sigma_rotation", w.sigma_rotation, "rad", {.above = 0, .max = 10}, "standard deviation of a found attitude");
-  b.real("sigma_position", w.sigma_position, "m", {.above = 0, .max = 100}, "the same of a found position");
+  b.real("sigma_rotation", w.sigma_rotation, "rad", {.above = 0, .max = 10},
+         "standard deviation of an estimated attitude");
+  b.real("sigma_position", w.sigma_position, "m", {.above = 0, .max = 100}, "the same of an estimated position");
   b.real("sigma_degenerate", w.sigma_degenerate, "", {.above = 0, .max = 1e6},
          "both (rad, m) where the front says that a direction was open");
   b.real("gyro_noise", w.noise.gyro, "rad/s/sqrt(Hz)", {.above = 0, .max = 10}, "density of the gyro's noise");
@@ -24,8 +25,8 @@ void FixedLagSmoother::describe(config::Binder& b, Params& p) {
          "walk of the accelerometer's bias");
   b.real("integration_noise", w.noise.integration, "m/sqrt(s)", {.above = 0, .max = 1},
          "what the integration of positions adds");
-  b.real("max_speed", p.max_speed, "m/s", {.above = 0}, "a faster state starts the smoother anew");
-  b.real("max_bias", p.max_bias, "", {.above = 0}, "and so does a bias beyond this (rad/s, m/s^2)");
+  b.real("max_speed", p.max_speed, "m/s", {.above = 0}, "with a faster state the smoother starts again");
+  b.real("max_bias", p.max_bias, "", {.above = 0}, "the same with a bias beyond this (rad/s, m/s^2)");
   b.stage("motion", p.motion, "pose and velocity ahead of the last update");
   b.stage("front", p.front, "what finds the pose of a window");
 }
@@ -37,15 +38,15 @@ FixedLagSmoother::FixedLagSmoother(const Params& params, const BuildContext& con
       window_(params.window) {
   const std::string& front = params.front.type();
   if (!front_->uses_imu()) {
-    throw ConfigError(fmt::format(
-        "estimator fixed_lag_smoother: front: '{}' takes no IMU data, whose prediction it is to start from: set "
-        "prediction: imu, or another front",
-        front));
+    throw ConfigError(
+        fmt::format("estimator fixed_lag_smoother: front: '{}' uses no IMU data, but must start from the prediction of "
+                    "the IMU: set prediction: imu, or another front",
+                    front));
   }
   if (front_->smooths()) {
     throw ConfigError(fmt::format(
-        "estimator fixed_lag_smoother: front: '{}' begins its smoothing anew with the velocity and the biases that it "
-        "is told after every update, so that it never smooths: set another front, or make it the estimator itself",
+        "estimator fixed_lag_smoother: front: '{}' starts its smoothing again after every update, when it receives a "
+        "velocity and biases. So it never smooths: set another front, or make it the estimator itself",
         front));
   }
 }

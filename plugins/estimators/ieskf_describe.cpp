@@ -10,18 +10,18 @@ void Ieskf::describe(config::Binder& b, Params& p) {
             {"linear", DeskewCorrection::linear},
             {"asymptotic", DeskewCorrection::asymptotic},
             {"state", DeskewCorrection::state}},
-           "how the correction reaches the points inside a window: all of it; in proportion to their time, in the rows "
-           "too; the same in the points only (AC-LIO); or de-skewed again with the rate, velocity and calibration of "
-           "the iterate, in the rows too");
+           "how the correction reaches the points inside a window. rigid: all of it. linear: in proportion to their "
+           "time. asymptotic: the same in the points, not in the rows (AC-LIO). state: de-skewed again with rate, "
+           "velocity and calibration of the iterate");
   b.choice("noise", p.noise.kind,
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "
            "scale "
            "factor and delay that grow with the turn rate");
   b.real("degenerate_acc_noise", p.noise.degenerate_acc_noise, "m/s^2/sqrt(Hz)", {.min = 0, .max = 10},
-         "noise: physical, rate_scaled: least density of the accelerometer's noise after an update that was degenerate "
-         "or refused: the tilt comes from a map taken as exact, and what the map is off, gravity turns into "
-         "acceleration (0: the sensor's own)");
+         "noise: physical, rate_scaled: minimum density of the accelerometer's noise after a degenerate or refused "
+         "update. Gravity turns an error of the map into acceleration, because the tilt takes the map as exact (0: the "
+         "sensor's own)");
   b.choice(
       "association", p.association,
       {{"every_iteration", Association::every_iteration},
@@ -37,8 +37,8 @@ void Ieskf::describe(config::Binder& b, Params& p) {
          "attitude step below which an iteration has converged");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
   b.real("shared_time", p.shared_time, "s", {.min = 0.0, .max = 10.0},
-         "with an error that matches of a plane share (plane_sigma of the residual): that of a plane is taken for the "
-         "same over this time, so that shorter windows know no more of it than one as long");
+         "with an error that matches of a plane share (plane_sigma of the residual): time over which it stays the "
+         "same. So shorter windows give no more information on a plane than one of this length");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
          "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
          "(rotation at a 5 m lever arm)");

@@ -23,7 +23,7 @@ void register_estimators(plugin::Registry<Estimator>& registry) {
                               "Kalman filter with an update per firing, the IMU as a measurement (Point-LIO).");
   registry.add<ScanMatcher>("scan_matcher", "Lines and planes against the last sweep, then against the map (LOAM).");
   registry.add<Smoother>("smoother",
-                         "Fixed-lag smoother over the slices of a window, every point matched anew (FR-LIO).");
+                         "Fixed-lag smoother over the slices of a window, every point matched again (FR-LIO).");
 }
 
 }  // namespace aslio::plugins

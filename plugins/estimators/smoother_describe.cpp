@@ -8,10 +8,10 @@ void Smoother::describe(config::Binder& b, Params& p) {
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "IMU noise, as of ieskf");
   b.real("degenerate_acc_noise", p.noise.degenerate_acc_noise, "m/s^2/sqrt(Hz)", {.min = 0, .max = 10},
-         "noise: physical, rate_scaled: least density of the accelerometer's noise after an update that was degenerate "
-         "or refused (0: the sensor's own)");
+         "noise: physical, rate_scaled: minimum density of the accelerometer's noise after a degenerate or refused "
+         "update (0: the sensor's own)");
   b.integer("max_iterations", p.max_iterations, "", {.min = 1, .max = 50},
-            "iterations at most; at each, the points of all slices are placed and matched anew");
+            "iterations at most; each places and matches the points of all slices again");
   b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one point-to-surface residual");
   b.real("converged_m", p.converged_m, "m", {.above = 0, .max = 1},
          "position step of every slice below which an iteration has converged");

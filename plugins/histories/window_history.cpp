@@ -19,7 +19,7 @@ void describe_covariance(config::Binder& b, HistoryCovariance& value) {
             {"new_only", HistoryCovariance::new_only},
             {"all", HistoryCovariance::all}},
            "what the covariance counts: fresh evidence through the actual gain, fresh evidence alone, or everything "
-           "(over-confident); estimators without a filter (ct_icp, icp) have no use for it");
+           "(over-confident). Estimators without a filter (ct_icp, icp) ignore it");
 }
 
 void describe_age_taper(config::Binder& b, std::optional<double>& value) {
@@ -29,8 +29,8 @@ void describe_age_taper(config::Binder& b, std::optional<double>& value) {
 
 void describe_refused(config::Binder& b, Refused& value) {
   b.choice("refused", value, {{"enter", Refused::enter}, {"by_residual", Refused::by_residual}},
-           "points whose match a gate refused at their own update: they enter as if they had found no surface, or by "
-           "max_residual as all others (without one: all enter)");
+           "points whose match a gate refused at their own update. enter: as if they had found no surface; "
+           "by_residual: by max_residual as all others (without it: all enter)");
 }
 
 void Reuse::describe(config::Binder& b, Reuse& p) {

@@ -62,12 +62,12 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
   b.integer("min_points", p.min_points, "", {.min = 4, .max = kMaxPoints}, "points a plane needs");
   b.integer("max_points", p.max_points, "", {.min = 4, .max = kMaxPoints}, "points after which a voxel is closed");
   b.real("thickness", p.thickness, "m", {.above = 0.0, .max = 1.0},
-         "greatest standard deviation of the points across their plane");
+         "maximum standard deviation of the points across their plane");
   b.real("doubt", p.doubt, "", {.min = 0.0, .max = 1e6},
-         "measurements a plane is matched with as one: the more, the less counts a plane of few points, or at its rim "
-         "(0: all the same)");
+         "matches of a plane that share its error: the more, the less a plane of few points counts, or one at its edge "
+         "(0: all alike)");
   b.real("radius", p.radius, "m", {.above = 0.0}, "voxels farther than this from the sensor are forgotten");
-  b.flag("faces", p.faces, "keep what is seen from either side of a wall apart");
+  b.flag("faces", p.faces, "separate the points by the side of a wall they are seen from");
   b.require(p.min_points <= p.max_points, "min_points", "must not exceed max_points");
 }
 

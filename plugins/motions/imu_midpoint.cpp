@@ -23,10 +23,9 @@ ImuTransition midpoint_transition(const NavState& before, const ImuSample& from,
 }  // namespace
 
 void ImuMidpoint::describe(config::Binder& b, Params& p) {
-  b.choice(
-      "rate", p.rate, {{"constant", Rate::constant}, {"linear", Rate::linear}},
-      "of turning between two samples: their mean throughout, or evenly from one to the other; the ends are the same, "
-      "points measured between them are not");
+  b.choice("rate", p.rate, {{"constant", Rate::constant}, {"linear", Rate::linear}},
+           "turn rate between two samples: their mean throughout, or linear from one to the other; only points "
+           "measured between them differ");
 }
 
 ImuMidpoint::ImuMidpoint(const Params& params, const BuildContext& context) : rate_(params.rate) { (void)context; }

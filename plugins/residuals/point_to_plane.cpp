@@ -15,8 +15,8 @@ constexpr std::size_t kMatchesPerChunk = 16 * PlaneBatch::kWidth;
 
 void PointToPlane::describe(config::Binder& b, Params& p) {
   b.choice("planes", p.planes, {{"neighbours", Planes::neighbours}, {"map", Planes::map}},
-           "where planes come from: fitted to the nearest points of the map, or kept by the map (k, max_distance, "
-           "plane_threshold and min_spread then do not count)");
+           "where planes come from: fitted to the nearest points of the map, or kept by the map (then k, max_distance, "
+           "plane_threshold and min_spread are ignored)");
   b.integer("k", p.k, "", {.min = 3, .max = Neighbours::kMax}, "neighbours of a plane, all of which must be found");
   b.real("max_distance", p.max_distance, "m", {.above = 0.0, .max = 1e4},
          "neighbours farther than this are not looked at");
@@ -33,10 +33,9 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
   b.choice("kernel", p.kernel, {{"none", Kernel::none}, {"huber", Kernel::huber}, {"cauchy", Kernel::cauchy}},
            "robust weight of large residuals");
   b.real("kernel_width", p.kernel_width, "m", {.above = 0.0}, "residual at which the kernel sets in");
-  b.real(
-      "plane_sigma", p.plane_sigma, "m", {.min = 0.0, .max = 1.0},
-      "planes: map: standard deviation of the error that all matches of one plane have in common: N of them weigh as "
-      "if the variance of each were sigma^2 + N plane_sigma^2");
+  b.real("plane_sigma", p.plane_sigma, "m", {.min = 0.0, .max = 1.0},
+         "planes: map: standard deviation of the error that all matches of one plane share: each of N matches has the "
+         "variance sigma^2 + N plane_sigma^2");
 }
 
 PointToPlane::PointToPlane(const Params& params, const BuildContext& context)

@@ -23,12 +23,11 @@ void CurvatureFeatures::describe(config::Binder& b, Params& p) {
   b.real("line_threshold", p.line_threshold, "m^2", {.min = 0}, "an edge bends more than this (FEA-1)");
   b.real("plane_threshold", p.plane_threshold, "m^2", {.min = 0}, "a plane bends less than this");
   b.real("occlusion", p.occlusion, "m", {.above = 0},
-         "a range that jumps by more between adjacent beams tells of an occluded surface behind: no feature at its "
-         "border");
+         "a larger jump of range between adjacent beams means an occluded surface behind: no feature at its border");
   b.real("adjacent_deg", p.adjacent_deg, "deg", {.above = 0, .max = 90}, "beams nearer than this are adjacent");
   b.real("parallel", p.parallel, "", {.above = 0},
-         "a range that differs from those on both sides by more than this share is of a surface along the beam, or a "
-         "lone return: no feature");
+         "a range that differs by a larger share from those on both sides is a surface along the beam, or a lone "
+         "return: no feature");
   describe_uses(b, p.uses);
   b.require(p.clearest_lines <= p.lines, "clearest_lines", "must not exceed lines, of which they are a part");
 }

@@ -11,7 +11,7 @@ void register_samplers(plugin::Registry<Sampler>& registry);
 
 void register_samplers(plugin::Registry<Sampler>& registry) {
   registry.add<BudgetSampler>("budget", "keeps at most so many points of a window");
-  registry.add<CurvatureFeatures>("curvature_features", "keeps points on edges and planes, and tells which (LOAM)");
+  registry.add<CurvatureFeatures>("curvature_features", "keeps points on edges and planes, and marks which (LOAM)");
   registry.add<RangeSampler>("range", "drops points nearer or farther than two ranges");
   registry.add<StrideSampler>("stride", "keeps every k-th point of the stream, or a share of its firings");
   registry.add<VoxelSampler>("voxel", "keeps one point per cube of the de-skewed frame");

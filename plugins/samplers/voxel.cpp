@@ -26,10 +26,9 @@ void clear(PointUses& uses, PointUses bits) { uses = static_cast<PointUses>(uses
 
 void VoxelSampler::describe(config::Binder& b, Params& p) {
   b.real("leaf", p.leaf, "m", {.min = 0.01, .max = 100.0}, "edge of a cube");
-  b.choice(
-      "keep", p.keep, {{"centre", Keep::centre}, {"first", Keep::first}, {"mean", Keep::mean}},
-      "which point of a cube stays: the nearest to its centre, the first in time, or the nearest moved to the mean of "
-      "all (not where an estimator takes points as measured)");
+  b.choice("keep", p.keep, {{"centre", Keep::centre}, {"first", Keep::first}, {"mean", Keep::mean}},
+           "which point of a cube stays: the nearest to its centre, the first in time, or the nearest moved to the "
+           "mean of all. The last is not for estimators that take points as measured");
   b.choice("of", p.of, {{"all", Of::all}, {"line", Of::line}, {"plane", Of::plane}},
            "which points are thinned: all, or those that a sampler has classed as lines, or planes");
   describe_uses(b, p.uses);

@@ -26,8 +26,8 @@ void FixedWindow::describe(config::Binder& b, Params& p) {
   b.optional_real("frame_length", p.frame_length, "s", {.min = 1e-3, .max = 10.0}, "= period",
                   "length of a window with its history; what exceeds the period is history");
   b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
-         "time after the first insertion into the map during which an update comes every frame_length, as in "
-         "sod_adaptive: a start in motion is met at its slowest rate");
+         "time after the first insertion into the map with an update every frame_length, as in sod_adaptive, which "
+         "starts in motion at its slowest rate");
   b.require(p.warmup == 0.0 || (p.frame_length && p.cut == Cut::time), "warmup",
             "is a time of updates every frame_length: it needs that to be set, and 'cut: time'");
   b.require(!p.frame_length || p.cut == Cut::sweep || *p.frame_length >= p.period, "frame_length",

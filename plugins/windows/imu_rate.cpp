@@ -18,8 +18,8 @@ void ImuRateWindow::describe(config::Binder& b, Params& p) {
   b.integer("n_max", p.n_max, "", {.min = 1, .max = static_cast<double>(WindowPlan::kMaxCuts)},
             "most sub-frames of a frame");
   b.choice("emit", p.emit, {{"updates", Emit::updates}, {"cuts", Emit::cuts}},
-           "an update per sub-frame, or one per frame with the ends of its sub-frames (for an estimator that smooths "
-           "over them; others take the frame as one)");
+           "an update per sub-frame, or one per frame with the ends of its sub-frames (only for an estimator that "
+           "smooths over them)");
 }
 
 ImuRateWindow::ImuRateWindow(const Params& params, const BuildContext&)

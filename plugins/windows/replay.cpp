@@ -38,26 +38,26 @@ ReplaySchedule prepare(const ReplayWindow::Params& params) {
 
 void ReplayWindow::describe(config::Binder& b, Params& p) {
   b.text("file", p.file,
-         "CSV file with the end of each update in column t_ns, and maybe the begin of its window in window_begin_ns; "
-         "the updates.csv of a run will do. A relative path begins at the working directory");
+         "CSV file with the end of each update in column t_ns, such as the updates.csv of a run. It may have the start "
+         "of each window in window_begin_ns. The path is relative to the working directory");
   b.real("shift", p.shift, "s", {.min = -1e6, .max = 1e6},
-         "moves the rhythm in time, around the circle from the first update to the last");
+         "moves the intervals in time, around the circle from the first update to the last");
   b.choice("order", p.order,
            {{"recorded", Order::recorded},
             {"shuffled", Order::shuffled},
             {"steady", Order::steady},
             {"turn_rate", Order::turn_rate}},
-           "of the intervals between updates: that of the file; a random one, in which each keeps its length and "
-           "history; as many of equal length; or as many of like lengths, the shorter the faster the sensor turns, by "
-           "column gyro_rms_rad_s");
+           "of the intervals between updates. recorded: that of the file. shuffled: random, each with its length and "
+           "history. steady: as many of equal length. turn_rate: as many of like lengths, the shorter the faster the "
+           "sensor turns (column gyro_rms_rad_s)");
   b.integer("seed", p.seed, "", {.min = 0, .max = 1e9}, "draws the order 'shuffled'");
   b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
-         "updates that end within this time of the first keep their place, whatever the shift and the order: the first "
-         "second of sod_adaptive is at its slowest rate for a reason that is not the overlap");
+         "updates that end within this time of the first keep their place under any shift and order. The slow first "
+         "second of sod_adaptive is not due to the overlap");
   b.real("period", p.period, "s", {.min = 1e-3, .max = 10.0},
          "time between updates, without history, once the schedule has ended");
   b.require(p.shift == 0.0 || p.order == Order::recorded || p.order == Order::shuffled, "shift",
-            "moves a rhythm: it does not go with order 'steady' or 'turn_rate'");
+            "moves the intervals: it does not go with order 'steady' or 'turn_rate'");
   b.require(!p.file.empty(), "file", "is missing: name a schedule, such as the updates.csv of a run");
 }
 

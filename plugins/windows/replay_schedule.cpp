@@ -207,10 +207,10 @@ void ReplaySchedule::by_turn_rate() {
   const std::size_t count = updates_.size() - 1;
   for (std::size_t i = 1; i <= count; ++i) {
     if (std::isfinite(updates_[i].turn_rate)) continue;
-    throw DataError(fmt::format(
-        "{}: gyro_rms_rad_s of the update that ends at {} ns is not known: order 'turn_rate' needs that of every "
-        "update, as in the updates.csv of a run with an IMU",
-        source_, updates_[i].end));
+    throw DataError(
+        fmt::format("{}: gyro_rms_rad_s of the update that ends at {} ns is not known: order 'turn_rate' needs it for "
+                    "every update, as in the updates.csv of a run with IMU",
+                    source_, updates_[i].end));
   }
   if (count == 0) return;
   const auto interval = [&](std::size_t i) { return static_cast<double>(updates_[i + 1].end - updates_[i].end); };

@@ -34,9 +34,9 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
          "loss of overlap per segment: n = ceil((1 - overlap) / seg_step) + 1, an update every 2 L / n");
   b.removed("n_least", "use n_min");
   b.integer("n_min", p.n_min, "", {.min = 2, .max = 1000},
-            "smallest number of segments n: 2, as in the paper, leaves no old point in the window while the overlap is "
-            "full; with more, (n - 2) / n of the window are always old points");
-  b.integer("n_max", p.n_max, "", {.min = 2, .max = 1000}, "largest number of segments n");
+            "minimum number of segments n. With 2, as in the paper, a full overlap leaves no old point in the window. "
+            "With more, (n - 2) / n of the window are always old points");
+  b.integer("n_max", p.n_max, "", {.min = 2, .max = 1000}, "maximum number of segments n");
   b.real("shift_min", p.shift_min, "s", {.min = 1e-4, .max = 10.0},
          "shortest time between updates; acts as n <= 2 L / shift_min");
   b.real("warmup", p.warmup, "s", {.min = 0.0, .max = 1000.0},
@@ -50,11 +50,11 @@ void SodAdaptiveWindow::describe(config::Binder& b, Params& p) {
   b.integer("min_points", p.min_points, "points", {.min = 0, .max = 1e6},
             "with fewer raw points in the sensor's range the time between updates grows, up to L");
   b.integer("weak_segments", p.weak_segments, "", {.min = 2, .max = 1000},
-            "least n after an update with few matches or a degenerate view, where the overlap may be full and yet say "
-            "little: n_min or less leaves the overlap alone to decide, as the paper does");
+            "minimum n after an update with few matches or a degenerate view, where even a full overlap says little. "
+            "With n_min or less the overlap alone decides, as in the paper");
   b.integer("imu_samples", p.imu_samples, "", {.min = 0, .max = 1000},
-            "IMU samples per update, in the mean, at least: the rate rises no further than that, though to n_min, for "
-            "between samples motion is interpolated, not measured; 0: no such limit");
+            "minimum number of IMU samples per update, in the mean. It limits the rate (n_min or above), because "
+            "motion between samples is interpolated, not measured; 0: no limit");
   b.require(p.n_min <= p.n_max, "n_min", "must not exceed n_max");
   b.require(p.n_min * to_ns(p.shift_min) <= 2 * to_ns(p.frame_length), "shift_min",
             "must not exceed 2 frame_length / n_min, the time between updates while the overlap is full");

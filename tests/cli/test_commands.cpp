@@ -115,11 +115,11 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
       {with(head, "history: none", "history: full") + "map: voxel_hash\nestimator: smoother\n",
        {":4:10: history: 'full' gives points", "'smoother' takes none"}},
       {with(head, "{type: fixed}", "{type: imu_rate, emit: cuts}") + points,
-       {":2:9: window: 'imu_rate' names parts", "'ieskf' makes nothing of them", "emit: updates"}},
+       {":2:9: window: 'imu_rate' names parts", "'ieskf' does not use them", "emit: updates"}},
       {with(head, "{type: fixed}", "{type: motion_rate}") + "map: voxel_hash\nestimator: icp\n",
        {":2:9: window: 'motion_rate' decides by IMU data", "'icp' takes none", "choose another window"}},
       {head + "map: {type: feature_maps}\nestimator: scan_matcher\n",
-       {":5:11: samplers: none of them tells edges from planes", "'scan_matcher'", "curvature_features"}},
+       {":5:11: samplers: none of them finds edges and planes", "'scan_matcher'", "curvature_features"}},
       {with(head, "{type: range}", "{type: range}, {type: voxel, of: plane}, {type: curvature_features}") + points,
        {":5:27: samplers.1: 'voxel' picks points by their class", "{type: curvature_features} before it"}},
       {with(head, "{type: fixed}", replay) + points,
@@ -200,8 +200,9 @@ TEST_CASE("evaluate takes the alignment that is asked for, and names it") {
   };
   const Ended open = evaluate({});
   CHECK(open.code == 3);
-  CHECK_THAT(open.err, Contains("leaves the rotation open; use a longer trajectory, or measure it by `aslio evaluate "
-                                "--alignment yaw` or none"));
+  CHECK_THAT(
+      open.err,
+      Contains("leaves the rotation open; use a longer trajectory, or `aslio evaluate --alignment yaw` or none"));
   for (const auto& [alignment, ate_m] : {std::pair("yaw", 0.0), std::pair("none", 1.0)}) {
     const Ended ended = evaluate({"--alignment", alignment, "--json"});
     INFO(ended.err);

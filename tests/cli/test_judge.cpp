@@ -179,7 +179,7 @@ TEST_CASE("a run without an accepted update has failed, and says why") {
   none.matchable_points = 0;
   judge_ended(none);
   CHECK(none.status == RunStatus::failed);
-  CHECK_THAT(none.reason, Contains("none of 200 updates was accepted") && Contains("no point got through"));
+  CHECK_THAT(none.reason, Contains("none of 200 updates was accepted") && Contains("no point passed the samplers"));
   Summary few = with(good_run(), kFewMatches, 199);
   few.updates_by_status[0] = 0;
   few.updates_by_status[kInitialising] = 1;

@@ -57,7 +57,7 @@ TEST_CASE("samplers that leave no point: the run is not ok") {
   const Bench bench;
   const Ended ended = bench.run("out", {"--set", "samplers=[{type: range, min: 90, max: 100}]"});
   CHECK(ended.code == 1);
-  CHECK_THAT(ended.err, Contains("no point got through the samplers"));
+  CHECK_THAT(ended.err, Contains("no point passed the samplers"));
   CHECK(nlohmann::json::parse(content(bench / "out/summary.json")).at("coverage").get<double>() < 0.5);
 }
 

@@ -214,7 +214,7 @@ TEST_CASE("a run that is lost says so, begins anew, and keeps the maps apart") {
   const Ended ended = bench.run("out", {"--set", "max_gap=1", "--save-map", bench / "map.ply"});
   CHECK(ended.code == 1);
   CHECK_THAT(ended.err, Contains("diverged: no points for 1.5") && Contains("longer than max_gap 1 s") &&
-                            Contains("; begun anew 0.1") && Contains("s later with an empty map"));
+                            Contains("; started again 0.1") && Contains("s later with an empty map"));
   const Json summary = json(bench / "out/summary.json");
   CHECK(summary.at("status") == "diverged");
   REQUIRE(summary.at("losses").size() == 1);

@@ -65,8 +65,8 @@ TEST_CASE("times far from zero keep their nanoseconds") {
 
 TEST_CASE("times that do not increase are refused with both times") {
   const std::string said =
-      "trajectory: pose 1 at t = 5 ns is not later than the one before it at t = 5 ns; times must "
-      "strictly increase: sort the poses and remove duplicates";
+      "trajectory: pose 1 at t = 5 ns is not later than the one before it at t = 5 ns; sort the poses by time and "
+      "remove duplicates";
   CHECK_THROWS_WITH(Trajectory({at(5, Vec3::Zero()), at(5, Vec3::Zero())}), said);
   CHECK_THROWS_AS(Trajectory({at(5, Vec3::Zero()), at(4, Vec3::Zero())}), DataError);
   Trajectory trajectory({at(5, Vec3::Zero())});

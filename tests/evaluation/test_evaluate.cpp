@@ -233,8 +233,8 @@ TEST_CASE("an alignment that the errors may turn is warned of") {
   REQUIRE(warnings(0.4, Alignment::se3).size() == 1);
   CHECK(warnings(0.4, Alignment::se3)[0] ==
         "the alignment is poorly determined: the positions spread by 0.400 m across their main direction, less than 5 "
-        "times their error of 0.100 m, so the alignment hides part of it and its rotation is not to be trusted: use a "
-        "longer trajectory, or look at the relative errors, which need no alignment");
+        "times their error of 0.100 m. So it hides part of the error, and its rotation is not reliable. Use a longer "
+        "trajectory, or the relative errors, which need no alignment");
   CHECK(warnings(0.6, Alignment::se3).empty());
   CHECK(warnings(0.4, Alignment::yaw).empty());
   CHECK(warnings(0.4, Alignment::none).empty());

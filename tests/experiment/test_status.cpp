@@ -67,7 +67,7 @@ TEST_CASE("the status of a study tells what is finished, what runs and what wait
   const StudyFiles files;
   const Study study = files.load(study_text({"one", "mute", "hang"}));
   const fs::path output = files.folder / "out";
-  CHECK_THROWS_WITH(read_status(output), Contains("no study has been here"));
+  CHECK_THROWS_WITH(read_status(output), Contains("holds no study"));
   const auto [status, after] = status_before_and_after(study, options(output), "runs/scene_a_1/mute");
   const std::string text = to_text(status);
   INFO(text);

@@ -132,7 +132,7 @@ TEST_CASE("broken shared data stay where anything lies beside them, and the new 
   write_text(d.second() / "mine.txt", "mine");
   fs::remove(d.second() / "data.bag");
   CHECK_THROWS_WITH(d.again(), Contains("simulated data cannot be put there as scene_a_1 or scene_a_1-") &&
-                                   Contains("move what is yours in these folders elsewhere"));
+                                   Contains("move your own files elsewhere"));
   CHECK(content(d.second() / "mine.txt") == "mine");
 }
 

@@ -74,7 +74,7 @@ TEST_CASE("a run that failed before a tenth of the way is an x, a later one a da
   // Back at its beginning, but far away in between: no end-to-end error, and an ATE that shows it.
   const std::string back = table(good, good, run("ok", 0.5));
   CHECK_THAT(back, Contains("## ate_m\n\n| sequence | one |\n|---|---|\n| a | 0.1 (0.1-0.1) |"));
-  CHECK_THAT(back, Contains("| a | 0.2 (0.2-0.2) 1- |") && Contains("no update has been accepted for more than 1 s"));
+  CHECK_THAT(back, Contains("| a | 0.2 (0.2-0.2) 1- |") && Contains("no update was accepted for more than 1 s"));
 }
 
 TEST_CASE("two middle values of which one is a failure have no median") {

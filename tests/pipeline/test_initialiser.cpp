@@ -235,7 +235,8 @@ TEST_CASE("initialisation: the first sweeps prove a rest only where they bind th
   CHECK(start(0.3, true).initial.mode == InitialMode::dynamic_start);
   motion.believed = motion.ambiguous = true;
   CHECK(start(0.3, true).initial.mode == InitialMode::moving_start);
-  CHECK_THAT(start(0.3, true).doubt, Contains("11.0 m/s was taken, another explains the first sweeps nearly as well"));
+  CHECK_THAT(start(0.3, true).doubt,
+             Contains("11.0 m/s is used, another one explains the first sweeps nearly as well"));
   CHECK(start(0.3, false).initial.mode == InitialMode::static_start);
   CHECK_FALSE(start(0.3, false).doubt.empty());
 }

@@ -112,7 +112,7 @@ TEST_CASE("monitor: a view that changes as a whole is an alarm within two tenths
   CHECK(play.monitor.alarm());
   CHECK(play.monitor.report().alarms == 1);
   CHECK_THAT(play.monitor.alarm().value_or(""),
-             Contains("of what was seen a moment ago is not where the motion of the run puts it"));
+             Contains("of the surfaces seen before are not where the motion of the run puts them"));
 }
 
 TEST_CASE("monitor: the view alone tells it as well, where something stands in for the gyro") {
@@ -149,7 +149,7 @@ TEST_CASE("monitor: residuals that rise while the points pull the state are an a
     ++windows;
   }
   CHECK(windows <= 5);
-  CHECK_THAT(pulled.monitor.alarm().value_or(""), Contains("the points fit no longer"));
+  CHECK_THAT(pulled.monitor.alarm().value_or(""), Contains("the points no longer fit"));
 }
 
 TEST_CASE("monitor: points that contradict the gyro's turn name the extrinsic") {

@@ -55,10 +55,9 @@ TEST_CASE("tracking: a map that stays empty for longer than max_silence is a div
   play.next(Update{});
   REQUIRE(play.tracking.divergence());
   CHECK(play.tracking.status() == TrackingStatus::lost);
-  CHECK(
-      play.tracking.divergence()->reason ==
-      "the map is still empty after 1.10 s: no point got through the samplers (range limits?), or insertion 'on_exit' "
-      "holds them in a window that is longer");
+  CHECK(play.tracking.divergence()->reason ==
+        "the map is still empty after 1.10 s: no point passed the samplers (range limits?), or insertion 'on_exit' "
+        "holds them in a longer window");
 }
 
 TEST_CASE("tracking: a refused update degrades, five accepted ones in a row recover") {

@@ -107,13 +107,14 @@ int calibrate(const CalibrateArguments& a) {
 
 Command add_calibrate(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
-      "calibrate", "Makes a sensor file of what runs have learnt of the gyro's sensitivity and the delay of the IMU.");
+      "calibrate",
+      "Writes a sensor file with the gyro's sensitivity and the delay of the IMU that runs have estimated.");
   auto arguments = std::make_shared<CalibrateArguments>();
-  app->add_option("RUN", arguments->runs, "folders of runs with one sensor, of its present calibration")->required();
+  app->add_option("RUN", arguments->runs, "folders of runs with one sensor and its current calibration")->required();
   app->add_option("--output", arguments->output, "sensor file to write; one that this command wrote is replaced")
       ->required();
   app->footer(
-      "Several walks tell more than one, and a walk tells of the axes it turns about. Example:\n"
+      "Use several walks: each calibrates only the axes it turns about. Example:\n"
       "  aslio run configs/pipelines/as_lio_plus.yaml --input walk_1.bag --sensor mine.yaml --output out/walk_1\n"
       "  aslio run configs/pipelines/as_lio_plus.yaml --input walk_2.bag --sensor mine.yaml --output out/walk_2\n"
       "  aslio calibrate out/walk_1 out/walk_2 --output mine_calibrated.yaml");

@@ -40,8 +40,8 @@ int check(const CheckArguments& a) {
 }  // namespace
 
 Command add_check(CLI::App& root) {
-  CLI::App* app = root.add_subcommand(
-      "check", "Checks pipeline, sensor, dataset, scene and study files and tells all that is wrong.");
+  CLI::App* app =
+      root.add_subcommand("check", "Checks pipeline, sensor, dataset, scene and study files and reports all errors.");
   auto arguments = std::make_shared<CheckArguments>();
   app->add_option("FILE", arguments->files, "files to check")->required();
   add_plugin_option(*app, arguments->plugins);

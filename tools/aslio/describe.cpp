@@ -124,10 +124,10 @@ int describe(const DescribeArguments& a) {
   }
   const std::size_t slash = a.what.find('/');
   if (a.markdown || slash == std::string::npos) {
-    throw ConfigError(fmt::format(
-        "name a stage as FAMILY/TYPE (for example windows/fixed; `aslio list` shows all), a family, a file as "
-        "'pipeline', 'sensor', 'dataset', 'scene' or 'study', or --markdown for all stages, not '{}'",
-        a.what));
+    throw ConfigError(
+        fmt::format("'{}' is unknown: name a stage as FAMILY/TYPE (windows/fixed; `aslio list` shows all), a family, a "
+                    "file ('pipeline', 'sensor', 'dataset', 'scene' or 'study'), or --markdown for all stages",
+                    a.what));
   }
   print(config::describe_stage(stages.catalog, a.what.substr(0, slash), a.what.substr(slash + 1)));
   return kSuccess;
@@ -137,7 +137,7 @@ int describe(const DescribeArguments& a) {
 
 Command add_describe(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
-      "describe", "Tells the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
+      "describe", "Prints the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
   auto arguments = std::make_shared<DescribeArguments>();
   app->add_option("FAMILY/TYPE", arguments->what,
                   "the stage, a family of stages, or the file: pipeline, sensor, dataset, scene, study");

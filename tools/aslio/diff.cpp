@@ -35,7 +35,7 @@ int diff(const DiffArguments& arguments) {
 
 Command add_diff(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
-      "diff", "Tells how two files differ in meaning; spelling, order and omitted defaults do not count.");
+      "diff", "Prints how two files differ in meaning; spelling, order and omitted defaults do not count.");
   auto arguments = std::make_shared<DiffArguments>();
   app->add_option("A", arguments->a, "a file")->required();
   app->add_option("B", arguments->b, "another of the same kind")->required();

@@ -44,8 +44,8 @@ Command add_evaluate(CLI::App& root) {
       ->required()
       ->check(CLI::ExistingFile);
   app->add_option("--alignment", arguments->alignment,
-                  "of the estimate's world with the reference's: se3 (any rotation and translation), yaw (of a world "
-                  "whose z is vertical, too: shows tilt) or none (they are the same)")
+                  "of the estimate's world with the reference's: se3 (any rotation and translation), yaw (for a "
+                  "vertical z axis: shows tilt) or none (they are the same)")
       ->check(one_of("alignment", {"se3", "yaw", "none"}))
       ->capture_default_str();
   app->add_flag("--json", arguments->json, "all figures as JSON");

@@ -86,8 +86,8 @@ int report(const experiment::Study& study, StudyDisplay& display, const experime
            const ExperimentArguments& a) {
   display.clear();
   if (result.interrupted) {
-    complain(fmt::format("interrupted: the same command goes on where {} stops{}", a.output,
-                         a.executor == "slurm" ? "; tasks in the queue go on by themselves" : ""));
+    complain(fmt::format("interrupted: the same command continues where {} stops{}", a.output,
+                         a.executor == "slurm" ? "; tasks in the queue continue without it" : ""));
     return kInterrupted;
   }
   const std::size_t failures = result.failures();
@@ -102,7 +102,7 @@ int report(const experiment::Study& study, StudyDisplay& display, const experime
   if (!a.quiet && tables)
     print(fmt::format("output       {}: results.csv, statistics.csv, study.json, table.md, runs, data\n", a.output));
   if (failures == 0) return kSuccess;
-  complain(fmt::format("{} of {} runs failed or diverged; {} tells why", failures, result.runs.size(),
+  complain(fmt::format("{} of {} runs failed or diverged; {} gives the reasons", failures, result.runs.size(),
                        (fs::path(a.output) / (tables ? "table.md" : "runs")).string()));
   return kRunFailed;
 }
@@ -206,15 +206,15 @@ void add_options(CLI::App& app, ExperimentArguments& a) {
       ->capture_default_str();
   app.add_option("--only", a.only, "runs whose DATA/METHOD, data or method matches the pattern (*, ?, [..])")
       ->type_name("GLOB");
-  app.add_option("--seeds", a.seeds, "in place of those of every scene, as in 1-3 or 1,4-6")->type_name("SEEDS");
+  app.add_option("--seeds", a.seeds, "seeds that replace those of every scene, as in 1-3 or 1,4-6")->type_name("SEEDS");
   app.add_option("--scale", a.scale, "scales every scene, as in `aslio simulate`")
       ->check(number(0.1, 3))
       ->capture_default_str();
   app.add_option("--data", a.data,
                  "folder for simulated data that several studies share; what lies there already is used and stays");
   app.add_option("--recording", a.recording,
-                 "works on the runs over this one alone and writes no tables: several such calls may share an output, "
-                 "and a call without it makes the tables")
+                 "works only on the runs over this recording and writes no tables. Several such calls may share an "
+                 "output; a call without it writes the tables")
       ->type_name("DATA");
   app.add_option("--executor", a.executor, "`local`, or `slurm`: a task of a job array per recording")
       ->check(one_of("executor", {"local", "slurm"}))
@@ -223,12 +223,13 @@ void add_options(CLI::App& app, ExperimentArguments& a) {
   app.add_option("--throttle", a.throttle, "tasks on the cluster at once")
       ->check(whole_number(1, 100000))
       ->capture_default_str();
-  app.add_option("--poll", a.poll, "seconds between looks at the queue of the cluster")
+  app.add_option("--poll", a.poll, "seconds between checks of the queue of the cluster")
       ->check(seconds(true))
       ->capture_default_str();
   app.add_flag("--keep-data", a.keep_data, "keeps simulated data when their last run has ended");
-  app.add_flag("--retry", a.retry, "makes again what failed, crashed or met a limit, too");
-  app.add_flag("--dry-run", a.dry_run, "checks everything, tells the runs and what is finished of them, runs nothing");
+  app.add_flag("--retry", a.retry, "also repeats runs that failed, crashed or met a limit");
+  app.add_flag("--dry-run", a.dry_run,
+               "checks everything, lists the runs and which of them are finished, runs nothing");
   add_plugin_option(app, a.plugins);
   app.add_flag("--quiet", a.quiet, "no progress and no report; errors remain");
 }

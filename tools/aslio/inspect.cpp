@@ -32,10 +32,10 @@ int inspect(const InspectArguments& a) {
 
 Command add_inspect(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
-      "inspect", "Reads a whole recording and tells topics, rates, gaps, units and what is known of point times.");
+      "inspect", "Reads a whole recording and prints topics, rates, gaps, units and the state of point times.");
   auto arguments = std::make_shared<InspectArguments>();
   app->add_option("PATH", arguments->path, "ROS1 bag, or KITTI raw drive folder")->required()->check(CLI::ExistingPath);
-  app->add_option("--sensor", arguments->sensor, "judge as a run with this sensor file would")
+  app->add_option("--sensor", arguments->sensor, "judges as a run with this sensor file would")
       ->check(CLI::ExistingFile);
   app->footer(
       "Exits with 3 when a run could not use the recording, or when it is truncated.\n\n"

@@ -132,12 +132,10 @@ int run_command_line(int argc, char** argv) {
   CLI::App root("AS-LIO Lab: LiDAR-inertial odometry from interchangeable stages.", "aslio");
   root.require_subcommand(1);
   root.footer(
-      "Example:\n"
-      "  aslio run configs/pipelines/as_lio_plus.yaml --input corridor.bag --sensor configs/sensors/livox_avia.yaml "
-      "--output out/corridor\n\n"
-      "Exit codes: 0 ok, 1 failed or diverged, 2 wrong usage or configuration, 3 bad or truncated data, 4 degraded, "
-      "130 interrupted.\n"
-      "`aslio COMMAND --help` tells the options of a command.");
+      "Example:\n  aslio run configs/pipelines/as_lio_plus.yaml --input corridor.bag --sensor "
+      "configs/sensors/livox_avia.yaml --output out/corridor\n\nExit codes: 0 ok, 1 failed or diverged, 2 wrong usage "
+      "or configuration, 3 bad or truncated data, 4 degraded, 130 interrupted.\n`aslio COMMAND --help` prints the "
+      "options of a command.");
   const std::vector<std::string> command_line(argv, argv + argc);
   const auto commands = add_commands(root, command_line);
   require_known_command(commands, command_line);

@@ -40,7 +40,7 @@ experiment::OverlapSeriesOptions options_of(const OverlapArguments& a, const Rec
   if (recording.reference) options.trajectory = *recording.reference;
   if (!a.trajectory.empty()) options.trajectory = a.trajectory;
   if (options.trajectory.empty()) {
-    throw ConfigError("where the frames are is missing: give --trajectory, or a dataset with a reference");
+    throw ConfigError("the poses of the frames are missing: give --trajectory, or a dataset with a reference");
   }
   options.period = a.period;
   options.position_error = a.position_error;
@@ -121,13 +121,14 @@ int score(const OverlapArguments& a, const CLI::App& app) {
     return kInterrupted;
   }
   if (!a.quiet) print(report(a, end, means));
-  if (end.truncated)
-    complain(fmt::format("{}: the input ends before its last record does", options.inputs.front().string()));
+  if (end.truncated) {
+    complain(fmt::format("{}: the input ends inside its last record", options.inputs.front().string()));
+  }
   return end.truncated ? kBadData : kSuccess;
 }
 
 void add_options(CLI::App& app, OverlapArguments& a) {
-  app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1), whose overlap is meant")
+  app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1) with the overlap to score")
       ->required()
       ->check(CLI::ExistingFile);
   add_recording_options(app, a.recording);

@@ -15,7 +15,7 @@ void require_one_source(const RecordingArguments& a) {
     throw ConfigError("--input and --dataset exclude each other: a dataset file names its input; leave one out");
   }
   if (a.inputs.empty() && a.dataset.empty()) {
-    throw ConfigError("what to run over is missing: give --input and --sensor, or --dataset");
+    throw ConfigError("the recording is missing: give --input and --sensor, or --dataset");
   }
   if (!a.inputs.empty() && a.sensor.empty()) {
     if (std::filesystem::exists(std::filesystem::path(a.inputs.front()) / "dataset.yaml")) {

@@ -55,7 +55,7 @@ void warn_of(const std::vector<std::string>& unreadable) {
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, unreadable.size()); ++i) tell("warning: " + unreadable[i]);
   if (unreadable.size() > kShown) {
-    tell(fmt::format("warning: and {} more of the kind; the page has them beside their runs, as far as they fit",
+    tell(fmt::format("warning: and {} more like this; the page shows them beside their runs, as far as they fit",
                      unreadable.size() - kShown));
   }
 }
@@ -89,8 +89,8 @@ void refuse_to_replace(const fs::path& output, const std::string& format) {
   if (ours && std::find(kNotOurs.begin(), kNotOurs.end(), name) == kNotOurs.end()) return;
   if (!fs::is_regular_file(output, ignored)) return;  // a device or a pipe keeps nothing; a folder is told when written
   throw ConfigError(
-      fmt::format("--output {}: is there, and would be overwritten though no report of this format has "
-                  "such a name; name another file, as report.{}",
+      fmt::format("--output {}: exists, and its name is not that of a report of this format; it is not overwritten. "
+                  "Name another file, as report.{}",
                   output.string(), format));
 }
 
@@ -125,7 +125,7 @@ int make_report(const ReportArguments& a) {
 }  // namespace
 
 Command add_report(CLI::App& root) {
-  CLI::App* app = root.add_subcommand("report", "Shows what a study, or a run, has come to: a page, or tables.");
+  CLI::App* app = root.add_subcommand("report", "Shows the results of a study, or a run: a page, or tables.");
   auto a = std::make_shared<ReportArguments>();
   app->add_option("DIR", a->folder, "output folder of `aslio experiment`, or of `aslio run`")
       ->required()
@@ -141,7 +141,7 @@ Command add_report(CLI::App& root) {
       ->check(one_of("rows", {"auto", "sequences", "methods"}))
       ->capture_default_str();
   app->add_option("--limit", a->limit_mb,
-                  "size of the page [MB]; runs beyond it stand in its tables, but not in its time series")
+                  "size of the page [MB]; runs beyond it are in its tables, but not in its time series")
       ->check(number(3, 500))
       ->capture_default_str();
   app->add_flag("--open", a->open, "opens the page in the browser");

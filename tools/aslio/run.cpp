@@ -172,13 +172,12 @@ void add_options(CLI::App& app, RunArguments& a) {
       "--save-map", a.save_map,
       "writes the points of all updates to this .ply or .pcd file; after a loss, to others beside it (.segment_2)");
   app.add_flag("--dense", a.dense, "also writes trajectory_dense.tum, with every state the estimator emits");
-  app.add_flag(
-      "--stop-when-diverged", a.stop_when_diverged,
-      "ends the run once it is lost for good: it says so itself, or its position is off by more than 2 m and 5 % of "
-      "the path of the reference");
+  app.add_flag("--stop-when-diverged", a.stop_when_diverged,
+               "ends the run once it has diverged by its own verdict, or its position is off by more than 2 m and 5 % "
+               "of the reference's path");
   app.add_option(
          "--seed", a.seed,
-         "offset of the first window (0 to 0.1 s; none for 0) and phase of the point strides: replicates differ in it")
+         "offset of the first window (0 to 0.1 s; 0: none) and phase of the point strides: replicates differ in it")
       ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
   add_plugin_option(app, a.plugins);

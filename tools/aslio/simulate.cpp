@@ -136,7 +136,7 @@ std::string recording_report(const simulator::RecordResult& r, const SimulateArg
 }
 
 int stopped(const std::string& output) {
-  complain(fmt::format("interrupted: {} has no dataset.yaml, what else it holds is whole", output));
+  complain(fmt::format("interrupted: {} has no dataset.yaml; its other files are complete", output));
   return kInterrupted;
 }
 
@@ -194,7 +194,7 @@ void add_simulate_options(CLI::App& app, SimulateArguments& a) {
   app.add_option("--set", a.overrides, "key.path=value (YAML); changes the scene, may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--save-world", a.world, "PLY file for the surfaces of the world, people left out")->type_name("FILE");
+  app.add_option("--save-world", a.world, "PLY file for the surfaces of the world, without people")->type_name("FILE");
   app.add_flag("--no-compression", a.no_compression, "bag without lz4");
   app.add_flag("--quiet", a.quiet, "no progress and no report; warnings and errors remain");
 }

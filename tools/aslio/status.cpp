@@ -24,7 +24,8 @@ int compare(const std::string& a, const std::string& b) {
 }  // namespace
 
 Command add_status(CLI::App& root) {
-  CLI::App* app = root.add_subcommand("status", "Tells how far a study is: what is finished, runs, failed and waits.");
+  CLI::App* app = root.add_subcommand(
+      "status", "Prints the progress of a study: runs that are finished, running, failed and waiting.");
   auto folder = std::make_shared<std::string>();
   app->add_option("DIR", *folder, "--output of `aslio experiment`")->required();
   app->footer("Example:\n  aslio status out/table_1");

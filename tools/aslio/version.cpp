@@ -18,7 +18,7 @@ std::string version_line() {
 
 Command add_version(CLI::App& root) {
   root.set_version_flag("-V,--version", version_line, "Print version and source revision and exit");
-  CLI::App* app = root.add_subcommand("version", "Tells version and source revision.");
+  CLI::App* app = root.add_subcommand("version", "Prints version and source revision.");
   app->footer("Example:\n  aslio version");
   return {app, [] {
             print(version_line() + "\n");

@@ -135,7 +135,7 @@ TEST_CASE("mesh files that are not there or not meshes are refused by name and w
   CHECK_THAT(refusal(folder.write("text.obj", "hello\n")), Catch::Contains("text.obj"));
   const std::string cloud = kWallPly.substr(0, kWallPly.find("4 0 1 2 3"));
   CHECK_THAT(refusal(folder.write("cloud.ply", replaced(cloud, "element face 1", "element face 0"))),
-             Catch::Contains("4 points but no faces") && Catch::Contains("reconstruct a surface"));
+             Catch::Contains("4 points but no faces") && Catch::Contains("Reconstruct a surface"));
   CHECK_THAT(refusal(folder.write("cloud.obj", kWallObj.substr(0, kWallObj.find("f 1//1")))),
              !Catch::Equals("accepted"));
 }

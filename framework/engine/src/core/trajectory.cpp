@@ -19,10 +19,10 @@ void require_finite(const StampedPose& pose, std::size_t index) {
 
 void require_later(TimeNs previous, const StampedPose& pose, std::size_t index) {
   if (pose.t > previous) return;
-  throw DataError(fmt::format(
-      "trajectory: pose {} at t = {} ns is not later than the one before it at t = {} ns; times must strictly "
-      "increase: sort the poses and remove duplicates",
-      index, pose.t, previous));
+  throw DataError(
+      fmt::format("trajectory: pose {} at t = {} ns is not later than the one before it at t = {} ns; sort the poses "
+                  "by time and remove duplicates",
+                  index, pose.t, previous));
 }
 
 }  // namespace

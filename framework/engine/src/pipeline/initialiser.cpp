@@ -27,8 +27,8 @@ void InitialisationParams::describe(config::Binder& b, InitialisationParams& p) 
          "auto: at rest when the specific force varies less than this");
   b.real("static_rate", p.static_rate, "rad/s", {.above = 0, .max = 10}, "auto: and the mean turn rate is below this");
   b.flag("register_sweeps", p.register_sweeps,
-         "auto and dynamic: register the first sweeps, to prove a rest or to find the first velocity; false: the IMU "
-         "alone decides, and the first updates find the velocity");
+         "auto and dynamic: registers the first sweeps, to prove a rest or to find the first velocity; false: the IMU "
+         "decides, and the first updates find the velocity");
 }
 
 namespace {
@@ -68,9 +68,8 @@ void refuse_dead_imu(const stream::MeasurementStream& stream, double time) {
   if (all.size() < 2 || all.back().t - all.front().t < to_ns(enough) || !std::all_of(all.begin(), all.end(), is_dead))
     return;
   throw DataError(
-      fmt::format("initialisation: the IMU is dead: all {} samples of its first {:.2f} s are zero, gravity included; "
-                  "check its cable "
-                  "and driver, or take a pipeline that uses no IMU (kiss_icp)",
+      fmt::format("initialisation: the IMU is dead: all {} samples of its first {:.2f} s are zero, gravity included. "
+                  "Check its cable and driver, or use a pipeline without IMU (kiss_icp)",
                   all.size(), to_seconds(all.back().t - all.front().t)));
 }
 
@@ -206,7 +205,7 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   const std::string seen = what_sweeps_say(motion);
   if (motion.ambiguous) {
     found.doubt = fmt::format(
-        "the first velocity is not certain: {:.1f} m/s was taken, another explains the first sweeps nearly as well",
+        "the first velocity is not certain: {:.1f} m/s is used, another one explains the first sweeps nearly as well",
         motion.velocity.norm());
   }
   const bool without_imu = motion.gravity.squaredNorm() == 0;

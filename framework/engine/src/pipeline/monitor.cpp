@@ -198,10 +198,10 @@ void Monitor::judge_unexplained(double share) {
     const double least = kUnexplained + kUnexplainedTurn * std::max(fastest_ - kSharpTurn, 0.0);
     if (share > least && share > kUnexplainedStir * usual) since_jump_ = 0;
     if (share > least && share > kUnexplainedJump * usual) {
-      raise(fmt::format(
-          "{:.0f} % of what was seen a moment ago is not where the motion of the run puts it, usually {:.0f} "
-          "%: a piece of the data is missing, or the sensor was moved",
-          100 * share, 100 * before));
+      raise(
+          fmt::format("{:.0f} % of the surfaces seen before are not where the motion of the run puts them, usually "
+                      "{:.0f} %. A piece of the data is missing, or the sensor was moved",
+                      100 * share, 100 * before));
     }
   }
   unexplained_[static_cast<std::size_t>(unexplained_count_++ % 4)] = share;
@@ -249,23 +249,23 @@ void Monitor::judge(double dt) {
   rout_for_ = rout ? rout_for_ + dt : 0.0;
   if (misfit_for_ > kMisfitFor || rout_for_ > kRoutFor) {
     raise(
-        fmt::format("the points fit no longer: residuals {:.1f} times as large as usual, matches {:.1f} times as rare, "
-                    "and the state pulled {:.1f} times as hard from its prediction",
+        fmt::format("the points no longer fit: residuals {:.1f} times as large as usual, matches {:.1f} times as rare, "
+                    "corrections of the state {:.1f} times as large",
                     std::exp(signals_.fit_rise), std::exp(signals_.match_loss), pull));
   }
   torn_for_ = age_ > kKnown && signals_.velocity_pull > kTear ? torn_for_ + dt : 0.0;
   if (torn_for_ > kMisfitFor) {
-    raise(fmt::format("the points tear the velocity from its prediction by {:.0f} m/s^2", signals_.velocity_pull));
+    raise(fmt::format("the points change the velocity against its prediction by {:.0f} m/s^2", signals_.velocity_pull));
   }
   if (age_ > kKnown && signals_.gyro_mismatch > kMismatch) {
     const double share = 100 * signals_.gyro_mismatch;
-    raise(doubted_
-              ? fmt::format("the points contradict {:.0f} % of the turn that stands in for the readings of an IMU "
-                            "that is stuck or dead",
-                            share)
-              : fmt::format("the points contradict {:.0f} % of the turn that the gyro measures: implausible: check "
-                            "T_imu_lidar, gyro_unit",
-                            share));
+    raise(
+        doubted_
+            ? fmt::format(
+                  "the points contradict {:.0f} % of the turn that replaces the readings of a stuck or dead IMU", share)
+            : fmt::format("the points contradict {:.0f} % of the turn that the gyro measures: implausible: check "
+                          "T_imu_lidar, gyro_unit",
+                          share));
   }
   if (signals_.mount > 1.0) {
     const Vec3& axis = mount_.axis();

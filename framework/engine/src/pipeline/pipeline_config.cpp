@@ -20,7 +20,7 @@ void PipelineConfig::describe(config::Binder& b, PipelineConfig& p) {
          "and one without points, or between two IMU samples, for longer than this");
   b.choice("when_lost", p.when_lost,
            {{"restart", PipelineConfig::WhenLost::restart}, {"end", PipelineConfig::WhenLost::end}},
-           "a run that has diverged begins anew with an empty map, from the last pose it knew, or ends");
+           "a run that has diverged starts again with an empty map, from the last pose it knew, or ends");
 }
 
 }  // namespace aslio::pipeline

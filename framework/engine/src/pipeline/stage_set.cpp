@@ -38,19 +38,18 @@ std::string content(const Map& map) { return map.content() == MapContent::surfac
 void require_input(const PipelineConfig& config, const StageSet& stages, bool has_samplers) {
   const std::string& estimator = config.estimator.type();
   if (stages.window && stages.window->gives_cuts() && !stages.estimator->uses_cuts()) {
-    throw StageError("window", fmt::format("window: '{}' names parts of a window, and estimator '{}' makes nothing of "
-                                           "them: let the window name none (imu_rate: emit: updates), or choose an "
-                                           "estimator that smooths over the parts (smoother)",
+    throw StageError("window", fmt::format("window: '{}' names parts of a window, and estimator '{}' does not use "
+                                           "them: set imu_rate: emit: updates, or choose the estimator smoother",
                                            config.window.type(), estimator));
   }
   if (stages.window && stages.window->decides_by_imu() && !stages.estimator->uses_imu()) {
-    throw StageError("window", fmt::format("window: '{}' decides by IMU data, and estimator '{}' takes none, so that "
-                                           "none are kept: choose another window, or an estimator that takes them",
+    throw StageError("window", fmt::format("window: '{}' decides by IMU data, and estimator '{}' uses none: choose "
+                                           "another window, or an estimator that uses them",
                                            config.window.type(), estimator));
   }
   if (has_samplers && stages.estimator->uses_features() && !stages.samplers.gives_features()) {
     throw StageError("samplers",
-                     fmt::format("samplers: none of them tells edges from planes, and estimator '{}' matches nothing "
+                     fmt::format("samplers: none of them finds edges and planes, and estimator '{}' matches nothing "
                                  "else: add {{type: curvature_features}}, or choose another estimator",
                                  estimator));
   }

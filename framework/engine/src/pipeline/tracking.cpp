@@ -69,9 +69,8 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
     silence_ += length;
     if (silence_ > max_silence_) {
       diverge(end, ever_accepted_,
-              fmt::format("the map is still empty after {:.2f} s: no point got through the samplers (range limits?), "
-                          "or insertion 'on_exit' "
-                          "holds them in a window that is longer",
+              fmt::format("the map is still empty after {:.2f} s: no point passed the samplers (range limits?), or "
+                          "insertion 'on_exit' holds them in a longer window",
                           to_seconds(silence_)));
     }
     return;
@@ -81,8 +80,8 @@ void Tracking::observe(const Update& update, TimeNs begin, TimeNs end, bool with
     ever_accepted_ = true;
     if (drifts_unread(length, unread, update.unobservable_direction())) {
       return diverge(end, true,
-                     "the IMU read nothing, and before all was well again the points left a direction open: how far "
-                     "the sensor went is not known");
+                     "the IMU gave no data, and the points left a direction open before tracking recovered: the "
+                     "distance travelled is not known");
     }
     if (unread || s.b_a.norm() > kMaxAccBias) {
       accepted_in_a_row_ = 0;

@@ -46,7 +46,7 @@ Mat3 se3_rotation(const Mat3& covariance, std::size_t n) {
   if (d[1] <= rank_threshold(d[0])) {
     throw DataError(
         fmt::format("alignment se3: the {} matched positions lie on a line or in a point, which leaves the rotation "
-                    "open; use a longer trajectory, or measure it by `aslio evaluate --alignment yaw` or none",
+                    "open; use a longer trajectory, or `aslio evaluate --alignment yaw` or none",
                     n));
   }
   Vec3 sign = Vec3::Ones();
@@ -59,10 +59,10 @@ Mat3 yaw_rotation(const Mat3& S, std::size_t n) {
   const double sine = S(1, 0) - S(0, 1);
   const double cosine = S(0, 0) + S(1, 1);
   if (std::hypot(sine, cosine) <= rank_threshold(S.norm())) {
-    throw DataError(fmt::format(
-        "alignment yaw: the {} matched positions lie on a vertical line or in a point, which leaves the yaw "
-        "open; use a longer trajectory, or measure it by `aslio evaluate --alignment none`",
-        n));
+    throw DataError(
+        fmt::format("alignment yaw: the {} matched positions lie on a vertical line or in a point, which leaves the "
+                    "yaw open; use a longer trajectory, or `aslio evaluate --alignment none`",
+                    n));
   }
   return exp_so3(Vec3(0.0, 0.0, std::atan2(sine, cosine)));
 }

@@ -175,8 +175,8 @@ void warn_of_alignment(const Sample& sample, Evaluation& result) {
   if (spread >= kTimes * error) return;
   result.warnings.push_back(
       fmt::format("the alignment is poorly determined: the positions spread by {:.3f} m {}, less than {:.0f} times "
-                  "their error of {:.3f} m, so the alignment hides part of it and its rotation is not to be trusted: "
-                  "use a longer trajectory, or look at the relative errors, which need no alignment",
+                  "their error of {:.3f} m. So it hides part of the error, and its rotation is not reliable. Use a "
+                  "longer trajectory, or the relative errors, which need no alignment",
                   spread, alignment == Alignment::se3 ? "across their main direction" : "horizontally", kTimes, error));
 }
 

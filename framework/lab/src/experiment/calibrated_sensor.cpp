@@ -144,8 +144,8 @@ RunCalibration read_calibration(const fs::path& run, const config::StageLookup& 
   const Json summary = read_whole(run, "summary.json"), manifest = read_whole(run, "manifest.json");
   const Json& status = member(summary, "status");
   if (status != "ok" && status != "degraded") {
-    throw DataError(fmt::format("{}: the run ended {}: what it has learnt of its IMU is not to be believed",
-                                run.string(), status.is_string() ? status.get<std::string>() : "without a status"));
+    throw DataError(fmt::format("{}: the run ended {}: its calibration of the IMU is not reliable", run.string(),
+                                status.is_string() ? status.get<std::string>() : "without a status"));
   }
   const Json& resolved = member(member(manifest, "sensor"), "resolved");
   if (!resolved.is_string()) {
@@ -166,7 +166,7 @@ RunCalibration read_calibration(const fs::path& run, const config::StageLookup& 
   const bool delay_learnt = delay.is_number() && delay_sigma.is_number();
   if (!S_learnt && !delay_learnt) {
     throw DataError(
-        fmt::format("{}: the run has learnt nothing of its IMU; set `estimator.gyro_calibration: full` and "
+        fmt::format("{}: the run estimated no calibration of its IMU; set `estimator.gyro_calibration: full` and "
                     "`estimator.time_offset: true` (as in configs/pipelines/as_lio_plus.yaml), and let the sensor turn",
                     run.string()));
   }
@@ -199,8 +199,8 @@ SensorCalibration combine(const std::vector<RunCalibration>& runs, const config:
   const double largest = out.gyro_sensitivity.value.cwiseAbs().maxCoeff();
   if (largest > io::SensorConfig::kMaxSensitivity || std::abs(out.imu_delay.value) > io::SensorConfig::kMaxDelay) {
     throw DataError(
-        fmt::format("the sensitivity of the gyro would be off by up to {:.3g} % and its delay {:.3g} s: no "
-                    "working sensor is; check its units and what the runs made of the recording",
+        fmt::format("the sensitivity of the gyro would be off by up to {:.3g} % and its delay {:.3g} s: no working "
+                    "sensor has that. Check its units and the results of the runs",
                     100 * largest, out.imu_delay.value));
   }
   out.sensor_file = parse_sensor(runs.front().sensor_resolved, runs.front().run.string(), stages,

@@ -25,8 +25,8 @@ fs::path dataset_file(const fs::path& path) {
   fs::path file = path / "dataset.yaml";
   if (fs::exists(file, ignored)) return file;
   throw ConfigError(
-      fmt::format("{}: the folder has no dataset.yaml; `aslio simulate` writes one last, when all other files are "
-                  "whole. Name another folder or a dataset file",
+      fmt::format("{}: the folder has no dataset.yaml; `aslio simulate` writes it last, when all other files are "
+                  "complete. Name another folder or a dataset file",
                   path.string()));
 }
 
@@ -40,7 +40,7 @@ std::string default_name(const fs::path& file) {
 }  // namespace
 
 void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
-  b.text("name", dataset.name, "what tables call it; empty: the name of the file, or of its folder for dataset.yaml");
+  b.text("name", dataset.name, "name in tables; empty: the name of the file, or of its folder for dataset.yaml");
   b.text("description", dataset.description, "what the recording is");
   b.text("input", dataset.input,
          "recording: a bag (.bag, .db3), a folder of its parts, or a KITTI raw drive; required");
@@ -49,8 +49,8 @@ void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
   b.real("start", dataset.start, "s", {.min = 0.0, .max = kMaxSeconds}, "data to skip");
   b.optional_real("duration", dataset.duration, "s", {.above = 0.0, .max = kMaxSeconds}, "to the end", "data to use");
   b.flag("closed_loop", dataset.closed_loop,
-         "whether the motion ends in the pose in which it begins; of others end_to_end_m is left out: the distance "
-         "between their ends is no error");
+         "whether the motion ends in the pose in which it begins. Only then is end_to_end_m measured: else the "
+         "distance between the ends is no error");
   b.require(!dataset.input.empty(), "input", "is required: name the bag, or the folder of the drive");
   b.require(!dataset.sensor.empty(), "sensor",
             "is required: name the sensor file that fits the input (configs/sensors has some)");

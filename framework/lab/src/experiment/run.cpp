@@ -117,12 +117,12 @@ std::string what_followed(const std::vector<pipeline::Divergence>& losses) {
       std::count_if(losses.begin(), losses.end(), [](const auto& loss) { return loss.restarted.has_value(); });
   if (restarts == 0) return {};
   const std::string first = losses.front().restarted
-                                ? fmt::format("; begun anew {:.2f} s later with an empty map",
+                                ? fmt::format("; started again {:.2f} s later with an empty map",
                                               to_seconds(*losses.front().restarted - losses.front().t))
                                 : std::string();
   return losses.size() == 1
              ? first
-             : fmt::format("{}; in all lost {} times and begun anew {} times", first, losses.size(), restarts);
+             : fmt::format("{}; lost {} times and started again {} times in all", first, losses.size(), restarts);
 }
 
 /// Pumps the source into the odometry until one of them, or the monitor, ends it.

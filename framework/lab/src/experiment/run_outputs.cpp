@@ -191,10 +191,10 @@ void refuse_to_replace_strangers(const std::filesystem::path& output) {
   // A run opens both files before it reads anything, and leaves both however it ends.
   const auto poses = output / "trajectory.tum";
   if (!std::filesystem::exists(poses, ignored) || std::filesystem::exists(output / "updates.csv", ignored)) return;
-  throw ConfigError(fmt::format(
-      "--output {}: its trajectory.tum is not from a run of this program (no updates.csv is beside it), and would be "
-      "replaced; name another folder, or move the file",
-      output.string()));
+  throw ConfigError(
+      fmt::format("--output {}: its trajectory.tum is not from a run of this program (it has no updates.csv) and would "
+                  "be replaced; name another folder, or move the file",
+                  output.string()));
 }
 
 std::optional<FolderLock> lock_output(const std::filesystem::path& output) {

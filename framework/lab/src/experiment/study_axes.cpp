@@ -73,7 +73,7 @@ void StudyAxisConfig::describe(config::Binder& b, StudyAxisConfig& axis) {
   b.text("path", axis.path, "dotted path of the pipelines; with `values`: a grid with the other axes");
   b.tree("values", axis.values, "list of values to set there");
   b.tree("zip", axis.zip, "block of dotted paths with lists of one length, whose values change in step");
-  b.tree("list", axis.list, "list of {name, set}: points that are no grid, each with a block of paths and values");
+  b.tree("list", axis.list, "list of {name, set}: single points, each with a block of paths and values");
   b.text("name", axis.name, "column of a `list` in tables");
   b.texts("methods", axis.methods, {}, "methods that vary along this axis; empty: all");
   const int kinds = (axis.path.empty() ? 0 : 1) + (axis.zip.is_null() ? 0 : 1) + (axis.list.is_null() ? 0 : 1);

@@ -87,8 +87,8 @@ void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
          "what the report and its LaTeX call the method, as in AS-LIO+; with `vary` the values follow it; empty: its "
          "name");
   b.tree("set", method.set,
-         "dotted paths with the values to set there; {run:NAME} in a text is the folder of that method's run over the "
-         "same data, {data} the folder in the output where truth and overlap of simulated data stay");
+         "dotted paths with the values to set there. In a text, {run:NAME} is the folder of that method's run over the "
+         "same data. {data} is the folder in the output with truth and overlap of simulated data");
   b.text("baseline", method.baseline, "method to compare it with; empty: that of the study");
   b.texts("differs", method.differs, {},
           "keys, blocks or globs (`*.sigma`) in which the method may differ from the baseline, besides those of `set`; "
@@ -107,13 +107,13 @@ void StudyExpectationConfig::describe(config::Binder& b, StudyExpectationConfig&
   b.text("lower_on", rule.lower_on,
          "where the method must be lower: '8 of 9 sequences' by their medians, '7 of 10 pairs' of runs, 'most pairs'");
   b.text("higher_on", rule.higher_on, "where it must be higher");
-  b.text("not_lower_on", rule.not_lower_on, "the same, and it must not be so: lower on '2 of 3 sequences' is too many");
+  b.text("not_lower_on", rule.not_lower_on, "the same, and it must not hold: lower on '2 of 3 sequences' is too many");
   b.text("not_higher_on", rule.not_higher_on, "the same for higher");
   b.real("times", rule.times, "", {.above = 0.0, .max = 1000.0},
          "lower or higher than so many times the figure of `against`");
   b.texts("sequences", rule.sequences, {}, "the rule is about these; empty: all");
   b.optional_real("failures", rule.failures, "", {.min = 0.0}, "the rule is a comparison",
-                  "in place of a comparison: most runs of the method that may fail or diverge");
+                  "instead of a comparison: maximum number of runs of the method that may fail or diverge");
   b.require(!rule.method.empty(), "method", "is required: name one of `methods`");
   const std::vector<std::pair<std::string_view, const std::string*>> counts = {{"lower_on", &rule.lower_on},
                                                                                {"higher_on", &rule.higher_on},
@@ -128,7 +128,8 @@ void StudyExpectationConfig::describe(config::Binder& b, StudyExpectationConfig&
   b.require(kinds == 1, "lower_on",
             "higher_on, not_lower_on, not_higher_on and failures exclude each other, and one is required");
   b.require(rule.failures || !rule.against.empty(), "against", "is required: name the method to compare with");
-  b.require(!rule.failures || rule.against.empty(), "against", "goes with lower_on and its like");
+  b.require(!rule.failures || rule.against.empty(), "against",
+            "goes with lower_on, higher_on, not_lower_on and not_higher_on");
   b.require(!rule.failures || *rule.failures == std::floor(*rule.failures), "failures", "must be a whole number");
   const auto& metrics = study_metrics();
   b.require(std::find(metrics.begin(), metrics.end(), rule.metric) != metrics.end(), "metric",
@@ -140,7 +141,7 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.text("question", study.question, "what the study asks; required");
   b.text("prediction", study.prediction, "what is expected, and why; required");
   b.text("rule", study.rule, "what outcome decides it, and how; required");
-  b.groups("expectation", study.expectation, "rules that the engine judges by itself, once the runs are there");
+  b.groups("expectation", study.expectation, "rules that the program checks once the runs are there");
   b.groups("datasets", study.datasets, "the data, one table row per entry; required");
   b.groups("methods", study.methods, "the pipelines, one table column each; required");
   b.groups("vary", study.vary, "axes: every method is run at every combination of their points");
@@ -154,10 +155,10 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
           "simulated world (world.ply)");
   b.flag(
       "stop_when_diverged", study.stop_when_diverged,
-      "end runs once they are lost for good (`aslio run --stop-when-diverged`): their figures are of the way to there");
-  b.real("time_limit", study.time_limit, "s", {.above = 0.0, .max = 1e6}, "of a run; longer ones are ended");
+      "end runs once they have diverged (`aslio run --stop-when-diverged`): their figures are those up to that moment");
+  b.real("time_limit", study.time_limit, "s", {.above = 0.0, .max = 1e6}, "of a run; the program ends longer ones");
   b.real("memory_limit", study.memory_limit, "MB", {.min = 1.0, .max = 1e7},
-         "resident memory of a run; larger ones are ended");
+         "resident memory of a run; the program ends larger ones");
   const std::string_view paragraph = "is required: one paragraph, written before the study is run";
   b.require(!study.question.empty(), "question", paragraph);
   b.require(!study.prediction.empty(), "prediction", paragraph);

@@ -262,8 +262,8 @@ void check_expectation(
     const std::vector<std::string> unnamed = unnamed_keys(study.methods[*a], study.methods[*b]);
     if (unnamed.empty()) continue;
     complain(i, "against",
-             fmt::format("'{}' differs from '{}' in what the study does not name: set these alike, or add to the "
-                         "`differs` of one of them: {}",
+             fmt::format("'{}' differs from '{}' in keys that the study does not name: set these alike, or add them to "
+                         "the `differs` of one of them: {}",
                          rule.method, rule.against, fmt::join(unnamed, ", ")));
   }
 }

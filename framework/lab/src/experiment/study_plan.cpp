@@ -69,8 +69,8 @@ void require_unchanged(const Study& study, const std::vector<std::filesystem::pa
     const auto read = study.sources.find(source);
     if (read == study.sources.end() || sha256_of_file(source) == read->second) continue;
     throw DataError(
-        fmt::format("{}: has changed while its study was at work; call the study again, which keeps what was "
-                    "finished before and makes anew what differs",
+        fmt::format("{}: has changed while its study was at work. Call the study again: it keeps the finished runs "
+                    "that do not differ and repeats the others",
                     source.string()));
   }
 }

@@ -237,8 +237,8 @@ std::vector<std::string> identical_orders(const Study& study, const std::vector<
     }
     if (same == 0 || apart > 0) continue;
     out.push_back(
-        fmt::format("{} gave the same figures to the last bit for every order seed, on {} recording{}: the "
-                    "order seed has no effect on it",
+        fmt::format("{} gave the same figures to the last bit for every order seed, on {} recording{}: the order seed "
+                    "has no effect on it",
                     study.methods[m].name, same, same == 1 ? "" : "s"));
   }
   return out;

@@ -199,7 +199,7 @@ std::optional<std::string> require_same_study(const Study& study, const fs::path
   const std::size_t name = plan.column("study"), data = plan.column("data"), scale = plan.column("scale");
   if (const std::string& there = plan.rows.front()[name]; there != study.name) {
     throw ConfigError(
-        fmt::format("--output {}: the study '{}' is there, and '{}' would be mixed with it: name another folder",
+        fmt::format("--output {}: holds the study '{}', and '{}' would be mixed with it: name another folder",
                     output.string(), there, study.name));
   }
   for (const auto& row : plan.rows) {
@@ -216,9 +216,8 @@ std::optional<std::string> require_same_study(const Study& study, const fs::path
 StudyStatus read_status(const fs::path& output) {
   std::error_code ignored;
   if (!fs::exists(output / kPlanFile, ignored)) {
-    throw ConfigError(
-        fmt::format("{}: no study has been here (there is no {}); name the --output of `aslio experiment`",
-                    output.string(), kPlanFile));
+    throw ConfigError(fmt::format("{}: holds no study (there is no {}); name the --output of `aslio experiment`",
+                                  output.string(), kPlanFile));
   }
   return StatusReader(output).read();
 }

@@ -192,8 +192,8 @@ fs::path StudyStore::commit(const StudyData& data, const std::function<void(cons
     entry.folder = folder;
     if (foreign) {
       warn(fmt::format(
-          "warning: {}: files of these data are missing or cut off, and {} is not of `aslio simulate`: left as "
-          "it is, the data are in {}; move what is yours elsewhere and remove the folder",
+          "warning: {}: files of these data are missing or cut off, and {} is not from `aslio simulate`. The folder "
+          "stays as it is; the data are in {}. Move your own files elsewhere and remove the folder",
           foreign->parent_path().string(), foreign->filename().string(), folder.filename().string()));
     }
     keep_small_files(data, folder);
@@ -204,8 +204,8 @@ fs::path StudyStore::commit(const StudyData& data, const std::function<void(cons
   if (const auto folder = find(data)) return *folder;
   const std::vector<fs::path> tried = places(root_, data);
   throw DataError(
-      fmt::format("{}: simulated data cannot be put there as {} or {}: {}; move what is yours in these "
-                  "folders elsewhere and remove them, or name another place",
+      fmt::format("{}: simulated data cannot be put there as {} or {}: {}; move your own files elsewhere and remove "
+                  "these folders, or name another place",
                   root_.string(), tried[0].filename().string(), tried[1].filename().string(), error.message()));
 }
 

@@ -14,9 +14,9 @@ namespace aslio::experiment {
 namespace {
 
 constexpr std::string_view kEndToEndFootnote =
-    "\nA run has failed, too, when its position is off by more than 2 m and 5 % of the way travelled (laid on the "
-    "truth "
-    "over the first second), is not finite, or no update has been accepted for more than 1 s, whatever it ends in.\n";
+    "\nWhatever its status, a run has also failed when its position is not finite, or no update was accepted for more "
+    "than 1 s. So has one whose position is off by more than 2 m and 5 % of the path, with the first second aligned to "
+    "the truth.\n";
 
 class Tables {
  public:
@@ -30,13 +30,12 @@ class Tables {
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "**Question.** {}\n\n**Prediction.** {}\n\n**Rule.** {}\n\n", one_line(config.question),
                    one_line(config.prediction), one_line(config.rule));
-    fmt::format_to(
-        out,
-        "{} of {} runs. A cell is the median over seeds with smallest and largest in brackets (of several order "
-        "seeds, the median of each recording first). A run that "
-        "failed or diverged counts as worse than any figure: `x` if before a tenth of the way, `-` if later; "
-        "alone, the median is one of them, `2x` and `1-` tell how many. An empty cell has no figure.\n",
-        done, runs_.size());
+    fmt::format_to(out,
+                   "{} of {} runs. A cell is the median over seeds with minimum and maximum in brackets. Of several "
+                   "order seeds it takes the median of each recording first. A run that failed or diverged counts as "
+                   "worse than any figure: `x` if before a tenth of the path, `-` if later. If one stands alone, the "
+                   "median is such a run; `2x` and `1-` give their number. An empty cell has no figure.\n",
+                   done, runs_.size());
     text += expectation();
     for (const std::string& metric : config.metrics) {
       text += metric_table(metric);
@@ -115,11 +114,11 @@ class Tables {
         "\nAgainst the baseline, smaller is better. Won / lost / tied: sequences by their medians over the recordings "
         "that both have, and pairs on the same recording, by medians over order seeds. Ratio: median over the pairs, "
         "with the 95 % interval of a bootstrap clustered by sequence, from 5 pairs on. Effect: rank-biserial "
-        "correlation, -1 is below the baseline throughout. p: Wilcoxon's "
-        "signed-rank test, from 6 pairs on, and with Holm's correction for the lines of this table; both take the "
-        "pairs "
-        "as independent, and claim too much where the recordings of a sequence share a world. p (sequences): the "
-        "same test of the sequences' median ratios, from 6 sequences on.\n\n"
+        "correlation; -1 means below the baseline in all pairs. p: Wilcoxon's signed-rank test, from 6 pairs on. "
+        "p (Holm): with Holm's correction for the lines of this table. Both treat the pairs as independent, so they "
+        "are "
+        "too small where the recordings of a sequence share a world. p (sequences): the same test of the sequences' "
+        "median ratios, from 6 sequences on.\n\n"
         "| method | baseline | sequences | pairs | ratio | effect | p | p (Holm) | p (sequences) "
         "|\n|---|---|---|---|---|---|---|---|---|\n{}",
         text);

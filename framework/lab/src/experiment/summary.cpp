@@ -52,7 +52,7 @@ std::string refused(const Summary& s) {
 
 std::string none_accepted(const Summary& s) {
   const std::string why =
-      s.matchable_points == 0 ? "no point got through the samplers (range limits?)" : by_status(s.updates_by_status);
+      s.matchable_points == 0 ? "no point passed the samplers (range limits?)" : by_status(s.updates_by_status);
   return fmt::format("none of {} updates was accepted: {}", s.updates, why);
 }
 
@@ -193,9 +193,9 @@ std::string anomalies(const Summary& s) {
   if (c.imu > 0) dropped(s.malformed_imu, c.imu, "malformed IMU messages");  // where they are taken at all
   dropped(c.packet_time_jumps, c.packets, "LiDAR messages with an implausible stamp");
   dropped(c.points_stray, c.points, "points with a stray time");
-  dropped(c.points_late, c.points, "points that came too late");
+  dropped(c.points_late, c.points, "points that arrived too late");
   dropped(c.imu_invalid, c.imu, "IMU samples that are not finite");
-  dropped(c.imu_late, c.imu, "IMU samples that came too late");
+  dropped(c.imu_late, c.imu, "IMU samples that arrived too late");
   dropped(c.imu_time_jumps, c.imu, "IMU samples with an implausible stamp");
   dropped(c.imu_found.spikes, c.imu, "IMU samples that are spikes");
   const auto lasts = [&](std::uint64_t samples, std::string_view what) {
@@ -216,7 +216,7 @@ std::string anomalies(const Summary& s) {
 std::string no_state(const Summary& s) {
   if (s.counters.points == 0) return "no point with a usable coordinate and time has arrived";
   if (s.counters.imu == 0) return "no IMU sample has arrived";
-  return "no state was found: the IMU data does not reach over the time that initialisation needs";
+  return "no state was found: the IMU data does not cover the time that initialisation needs";
 }
 
 void set(Summary& s, RunStatus status, std::string reason) {
@@ -281,7 +281,7 @@ void judge(Summary& s, const RunOutcome& outcome) {
     s.moment = outcome.divergence->first;
     set(s, RunStatus::diverged, outcome.divergence->second);
   } else if (outcome.truncated) {
-    set(s, RunStatus::truncated, "the input ends before its last record does; all that is whole was used");
+    set(s, RunStatus::truncated, "the input ends inside its last record; the complete records were used");
   } else if (s.updates == 0) {
     set(s, RunStatus::failed, no_state(s));
   } else if (s.accepted == 0) {

@@ -248,7 +248,7 @@ std::size_t fit(Json& json, std::size_t bytes) {
     json["left_out"].push_back(what);
     left = room();
   };
-  drop("what the manifests of single runs tell", [&] {
+  drop("the manifests of single runs", [&] {
     for (Json& run : json["runs"]) {
       if (run.contains("manifest")) run["manifest"] = Json::object();
     }
@@ -379,11 +379,11 @@ Bundle read_bundle(const fs::path& folder) {
   const auto script = read_file(folder / "report.js"), style = read_file(folder / "report.css");
   if (!script || !style) {
     const std::string reason = read_file(folder / "missing.txt").value_or("");
-    throw DataError(fmt::format(
-        "{}: report.js and report.css are missing, the page cannot be made{}{}; let the build reach the npm "
-        "registry (npm_config_registry names another) and build aslio again "
-        "(-DASLIO_REPORT=ON tells what fails); --format md,tex,csv works without",
-        folder.string(), reason.empty() ? "" : ": ", reason.substr(0, reason.find('\n'))));
+    throw DataError(
+        fmt::format("{}: report.js and report.css are missing, the page cannot be made{}{}. Give the build access to "
+                    "the npm registry (or set npm_config_registry) and build aslio again; -DASLIO_REPORT=ON shows what "
+                    "fails. --format md,tex,csv works without",
+                    folder.string(), reason.empty() ? "" : ": ", reason.substr(0, reason.find('\n'))));
   }
   if (script->find("</script") != std::string::npos || style->find("</style") != std::string::npos) {
     throw DataError(fmt::format("{}: the script or style would end its own element; build it again", folder.string()));
@@ -403,9 +403,9 @@ std::string make_page(const StudyFolder& study, const Bundle& bundle, const Page
       policy_hash(bundle.script), policy_hash(bundle.style), io::html_escaped(study.name));
   page += bundle.style;
   page +=
-      "</style>\n</head>\n<body>\n<noscript>This page draws its tables and figures with a script it holds itself; "
-      "allow scripts to see them, or use `aslio report --format md`.</noscript>\n"
-      "<div id=\"report\"></div>\n<script type=\"application/json\" id=\"study\">";
+      "</style>\n</head>\n<body>\n<noscript>This page draws its tables and figures with its own script; allow scripts "
+      "to see them, or use `aslio report --format md`.</noscript>\n<div id=\"report\"></div>\n<script "
+      "type=\"application/json\" id=\"study\">";
   const std::size_t frame = bundle.script.size() + bundle.style.size() + kFrameBytes;
   page += script_safe(study_json(study, limits, limits.bytes > frame ? limits.bytes - frame : 0, problems));
   if (unreadable != nullptr) unreadable->insert(unreadable->end(), problems.begin(), problems.end());

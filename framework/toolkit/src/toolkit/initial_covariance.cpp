@@ -30,15 +30,14 @@ void describe_estimated(config::Binder& b, EstimatedStates& p) {
   b.choice("gyro_calibration", p.gyro_calibration,
            {{"none", GyroCalibration::none}, {"diagonal", GyroCalibration::diagonal}, {"full", GyroCalibration::full}},
            "what of the gyro's sensitivity is estimated: nothing, its scale factors, or cross-axis terms, too");
-  b.real(
-      "sigma_gyro_scale", p.sigma_gyro_scale, "", {.above = 0, .max = 0.5},
-      "gyro_calibration: diagonal, full: standard deviation of each scale factor at the start (0.01: an uncalibrated "
-      "MEMS gyro; a gyro that was calibrated: what that is worth)");
+  b.real("sigma_gyro_scale", p.sigma_gyro_scale, "", {.above = 0, .max = 0.5},
+         "gyro_calibration: diagonal, full: standard deviation of each scale factor at the start (0.01: an "
+         "uncalibrated MEMS gyro; of a calibrated one: that of its calibration)");
   b.real("sigma_gyro_cross", p.sigma_gyro_cross, "", {.above = 0, .max = 0.5},
          "gyro_calibration: full: standard deviation of each cross-axis term at the start");
   b.reals("sigma_gyro_sensitivity", p.sigma_gyro_sensitivity, 0, "", {.above = 0, .max = 0.5},
-          "gyro_calibration: diagonal, full: standard deviation of each entry of the gyro's sensitivity at the start, "
-          "nine, row by row, in place of the two above (`aslio calibrate` tells them; empty: those)");
+          "gyro_calibration: diagonal, full: standard deviation of each of the nine entries of the gyro's sensitivity "
+          "at the start, row by row. It replaces the two above; `aslio calibrate` gives it (empty: the two above)");
   b.require(p.sigma_gyro_sensitivity.empty() || p.sigma_gyro_sensitivity.size() == 9, "sigma_gyro_sensitivity",
             "must be empty or nine numbers, row by row");
   b.flag("time_offset", p.time_offset, "estimate the delay of the IMU");

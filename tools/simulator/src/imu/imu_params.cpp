@@ -63,7 +63,7 @@ void describe_calibration(config::Binder& b, ImuParams& p) {
   b.optional_real("g_sensitivity", p.g_sensitivity, "deg/s per g", {.min = 0.0, .max = 10.0}, kPresets,
                   "response of each gyro axis to force along each axis, uniform up to this");
   b.optional_real("delay", p.delay, "ms", {.min = 0.0, .max = 100.0}, kPresets,
-                  "of the low-pass filter: a sample tells of the motion this much earlier");
+                  "of the low-pass filter: a sample shows the motion this much earlier");
   b.optional_real("gyro_range", p.gyro_range, "deg/s", {.above = 0.0, .max = 10000.0}, kPresets,
                   "where the gyro is clipped");
   b.optional_real("acc_range", p.acc_range, "g", {.above = 1.0, .max = 1000.0}, kPresets,
@@ -75,7 +75,7 @@ void describe_calibration(config::Binder& b, ImuParams& p) {
 void ImuParams::describe(config::Binder& b, ImuParams& params) {
   b.choice("preset", params.preset,
            {{"perfect", ImuPreset::perfect}, {"ideal", ImuPreset::ideal}, {"datasheet", ImuPreset::datasheet}},
-           "perfect: exact and unlimited; ideal: noise and biases of a BMI088, 2000 deg/s, 3 g; datasheet: ideal with "
+           "perfect: exact and unlimited. ideal: noise and biases of a BMI088, 2000 deg/s, 3 g. datasheet: ideal with "
            "scale error 1 %, cross-axis 0.5 %, g-sensitivity 0.1 deg/s per g, delay 2 ms");
   b.real("rate", params.rate, "Hz", {.min = 5.0, .max = 10000.0}, "samples per second");
   describe_noise(b, params);

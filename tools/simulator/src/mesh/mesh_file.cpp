@@ -54,10 +54,9 @@ std::uint64_t checked_size(const std::filesystem::path& path) {
 }
 
 [[noreturn]] void refuse_without_faces(const std::filesystem::path& path, std::uint64_t points) {
-  refuse(path,
-         fmt::format("has {} points but no faces (a point cloud): rays pass between points; reconstruct a surface "
-                     "first, e.g. by Poisson reconstruction in MeshLab or CloudCompare, and save it with faces",
-                     points));
+  refuse(path, fmt::format("has {} points but no faces (a point cloud): rays pass between points. Reconstruct a "
+                           "surface first (Poisson reconstruction in MeshLab or CloudCompare) and save it with faces",
+                           points));
 }
 
 void check_triangles(const std::filesystem::path& path, std::uint64_t triangles) {

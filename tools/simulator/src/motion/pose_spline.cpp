@@ -103,10 +103,10 @@ void check(std::span<const StampedPose> poses, double knot_interval) {
           distance, gap, at, k, kFastest));
     const double turn = log_so3(poses[k - 1].T.R.transpose() * poses[k].T.R).norm();
     if (turn > kLargestTurn)
-      throw DataError(fmt::format(
-          "the trajectory to follow turns by {:.0f} deg in {:.3f} s after {:.3f} s (pose {}), at most 90 deg between "
-          "two poses can be followed: give more poses",
-          turn * 180 / std::numbers::pi, gap, at, k));
+      throw DataError(
+          fmt::format("the trajectory to follow turns by {:.0f} deg in {:.3f} s after {:.3f} s (pose {}), at most 90 "
+                      "deg between two poses are possible: give more poses",
+                      turn * 180 / std::numbers::pi, gap, at, k));
   }
 }
 

@@ -23,8 +23,8 @@ Route::Route(std::vector<Vec2> points) : points_(std::move(points)) {
     const double edge = (b - a).norm();
     if (!(edge >= kShortestEdge && std::isfinite(edge)))
       throw ConfigError(
-          fmt::format("route: edge {} from ({:g}, {:g}) to ({:g}, {:g}) is {:.3g} m long, must be at least {} m (the "
-                      "last edge leads back to the start; a larger scale or fewer points)",
+          fmt::format("route: edge {} from ({:g}, {:g}) to ({:g}, {:g}) is {:.3g} m long, must be at least {} m: use a "
+                      "larger scale or fewer points (the last edge leads back to the start)",
                       k + 1, a.x(), a.y(), b.x(), b.y(), edge, kShortestEdge));
     start_of_edge_.push_back(length_);
     length_ += edge;

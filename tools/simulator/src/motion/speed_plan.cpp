@@ -92,8 +92,8 @@ void SpeedPlan::limit_nodes() {
     nodes_[k].most = fastest(nodes_[k + 1].most, nodes_[k + 1].at - nodes_[k].at, nodes_[k].most);
   if (nodes_.front().most < params_.start_speed - kSpeedSlack)
     throw ConfigError(
-        fmt::format("drive.start_speed: is {:g} m/s, at most {:.3g} lets the car slow down for what comes next on this "
-                    "road; raise speed or limits, or put the first bend or stop farther away",
+        fmt::format("drive.start_speed: is {:g} m/s, the car can slow down in time for this road from at most {:.3g}; "
+                    "raise speed or limits, or move the first bend or stop away",
                     params_.start_speed, nodes_.front().most));
 }
 

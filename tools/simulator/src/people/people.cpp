@@ -26,7 +26,7 @@ constexpr std::uint64_t kWalking = 0, kAhead = 1'000'000, kCrossing = 2'000'000;
 
 [[noreturn]] void fail(std::string_view key, std::size_t person) {
   throw ConfigError(
-      fmt::format("people.{}: no way was found for person {} that keeps {} m from the sensor: ask for fewer, or give a "
+      fmt::format("people.{}: person {} has no path that keeps {} m from the sensor: ask for fewer people, or give a "
                   "larger people.lateral",
                   key, person + 1, People::kClearance));
 }

@@ -155,8 +155,8 @@ void Simulation::build(const SceneFile& file) {
   const double samples = motion_->duration() * std::max(model.rate, kTruthRate);
   if (samples > kMaxSamples)
     throw ConfigError(
-        fmt::format("the motion lasts {:.0f} s: {:.3g} samples at {:g} Hz, at most {:g} fit into memory; "
-                    "give fewer walk.laps, a shorter route or a lower imu.rate",
+        fmt::format("the motion lasts {:.0f} s: {:.3g} samples at {:g} Hz, at most {:g} fit into memory. Give fewer "
+                    "walk.laps, a shorter route or a lower imu.rate",
                     motion_->duration(), samples, std::max(model.rate, kTruthRate), kMaxSamples));
   imu_ = simulate_imu(*motion_, options_.begin, motion_->duration(), model, options_.seed);
 }

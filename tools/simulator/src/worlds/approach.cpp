@@ -35,10 +35,10 @@ Route in_way(const Route& route, const Way& way) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vec2 p(along.dot(points[k] - start), across.dot(points[k] - start));
     if (p.x() < way.length + 1 && std::abs(p.y()) > kSameLine)
-      throw ConfigError(fmt::format(
-          "route: point {} at ({:.2f}, {:.2f}) [m] is {:.2f} m beside the way to the garage, which is {:.1f} m long: "
-          "move it onto the first edge, or beyond the end of the way, or make world.length smaller",
-          k + 1, points[k].x(), points[k].y(), std::abs(p.y()), way.length));
+      throw ConfigError(
+          fmt::format("route: point {} at ({:.2f}, {:.2f}) [m] is {:.2f} m beside the way to the garage, which is "
+                      "{:.1f} m long. Move it onto the first edge or beyond the way, or make world.length smaller",
+                      k + 1, points[k].x(), points[k].y(), std::abs(p.y()), way.length));
     local.push_back(p);
   }
   return Route(std::move(local));

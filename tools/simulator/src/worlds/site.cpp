@@ -43,10 +43,10 @@ std::vector<Run> runs_of(const Route& route, const char* world) {
     const Vec2 &p = points[k], &q = points[(k + 1) % points.size()];
     const Vec2 d = (q - p).cwiseAbs();
     if (d.minCoeff() > kSameLine) {
-      throw ConfigError(fmt::format(
-          "route: edge {} from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) [m] is not parallel to the x or y axis, "
-          "as a world of type '{}' needs it: put a corner between them",
-          k, p.x(), p.y(), q.x(), q.y(), world));
+      throw ConfigError(
+          fmt::format("route: edge {} from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) [m] is not parallel to the x or y "
+                      "axis. A world of type '{}' needs this: put a corner between them",
+                      k, p.x(), p.y(), q.x(), q.y(), world));
     }
     const int axis = d.x() >= d.y() ? 0 : 1;
     runs.push_back({axis, p[1 - axis], std::min(p[axis], q[axis]), std::max(p[axis], q[axis])});
