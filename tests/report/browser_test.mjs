@@ -172,7 +172,7 @@ test('dots and readings are all at the time of the cursor', async () => {
 
 test('a lane under the charts shows when a run was weak, raised an alarm or was lost', async () => {
   const titles = await page.$$eval('.lane .bar i', (marks) => marks.map((mark) => mark.title));
-  assert.ok(titles.some((title) => /the monitor raised its alarm$/.test(title)) && titles.some((title) => /not bound by the points$/.test(title)));
+  assert.ok(titles.some((title) => /the monitor raised its alarm$/.test(title)) && titles.some((title) => /left a direction open$/.test(title)));
   const [bar, over] = await Promise.all(['.lane .bar', '.timeline .u-over'].map(async (at) => (await page.$(at)).boundingBox()));
   assert.ok(Math.abs(bar.x - over.x) < 1 && Math.abs(bar.width - over.width) < 1, `under the drawing area: ${JSON.stringify([bar, over])}`);
   const widths = await page.$$eval('.lane .bar i.lost:not([hidden])', (marks) => marks.map((mark) => mark.getBoundingClientRect().width));

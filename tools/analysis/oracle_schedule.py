@@ -16,7 +16,7 @@ t_ns, window_begin_ns. Needs numpy.
 overlap.csv compares with all that was seen up to 10 ms before, the overlap degree with a map that is older (SOD-3). So what was
 new within --memory counts as new: newness of 10 ms, summed over that time. At 0.02 s as many windows fall below 0.9 as measured
 by as_lio_plus at 10 Hz (n_min 2, seg_step 0.1) on indoor_1 (scale 0.3, seeds 100 and 101: 34 and 35 against 34 and 33), with a correlation of 0.97.
-For the finer step of today's as_lio_plus it was not calibrated anew: compare that one by --like.
+It was not calibrated for the finer step of the current as_lio_plus: compare that one by --like.
 """
 import argparse
 import math

@@ -1,4 +1,4 @@
-"""Sudden changes of view, from the true overlap and the true motion, and how well a signal tells them.
+"""Sudden changes of view, from the true overlap and the true motion, and how well a signal detects them.
 
 V is the share of the rays of 10 ms whose cell had been hit before (overlap.csv of `aslio simulate`). A fall is where
 V < 0.8; stretches less than 0.3 s apart are one, and fewer than three samples are none. A turn is where the turn rate is

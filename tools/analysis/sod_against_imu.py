@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""How well the overlap degree and the IMU tell sudden changes of view: table (Markdown and CSV) and pictures (SVG).
+"""How well the overlap degree and the IMU detect sudden changes of view: table (Markdown and CSV) and pictures (SVG).
 
   tools/analysis/sod_against_imu.py out/sod_against_imu --output out/figures
   tools/analysis/sod_against_imu.py --run out/indoor_1/as_lio_plus --data out/indoor_1/data --output out/figures
 
 Takes the output folder of `aslio experiment`, or runs of `aslio run` over data of `aslio simulate`. Per run the signals are
 1 - O of every update (updates.csv), and the largest turn rate and deviation of the specific force from gravity since the
-update before, both from the true motion: without noise, to the advantage of the IMU. What counts as an event, and how a
-signal is judged, is told in overlap_events.py. Exit 0, 2 when a folder is not what it has to be. Needs numpy.
+update before, both from the true motion: without noise, to the advantage of the IMU. overlap_events.py defines the
+events and the measures of a signal. Exit 0, or 2 when a folder is not of the right kind. Needs numpy.
 """
 import argparse
 import csv

@@ -184,7 +184,7 @@ class Study:
         with open(path, encoding="utf-8") as lines:
             match = re.search(r"--scale ([0-9.e+-]+)", lines.readline())
         if not match:
-            raise FolderError(f"{path}: its first line does not tell the scale")
+            raise FolderError(f"{path}: its first line does not give the scale")
         return float(match.group(1))
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Run every pipeline on the simulated Avia corridor, from several starts, and on drive 0005 of KITTI; print the table of docs/systems.md.
 
-A beginning is a --seed: another phase of the stride and another begin of the first window. On the drive, whose OXTS position drifts by
-metres, a pipeline is held against the published trajectory of its own name, or else against FAST-LIO2's. Standard library only.
+A start is a --seed: another phase of the stride and another start of the first window. On the drive, whose OXTS position drifts by
+metres, a pipeline is compared with the published trajectory of its own name, or else with FAST-LIO2's. Standard library only.
 
   tools/benchmarks/systems.py --aslio build/release/tools/aslio/aslio --corridor avia_corridor.bag --truth avia_corridor.gt.tum \\
       --drive DRIVE --published reference/kitti_0005 --output out/systems --into docs/systems.md
@@ -16,7 +16,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BEGIN, END = "<!-- systems, generated -->", "<!-- end of systems -->"
-HEAD = ["pipeline", "corridor: ATE [m], `--seed 0`", "all beginnings: median (range)", "rotation [deg]", "ended", "CPU [s/s]",
+HEAD = ["pipeline", "corridor: ATE [m], `--seed 0`", "all starts: median (range)", "rotation [deg]", "ended", "CPU [s/s]",
         "drive: ATE [m]", "to", "CPU [s/s]"]
 
 

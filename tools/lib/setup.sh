@@ -77,7 +77,7 @@ install_packages() {
   fi
   local log=build/packages.log begin=$SECONDS
   mkdir -p build
-  # The list of packages may be old or absent; an update that fails is told only when the install fails as well.
+  # The list of packages may be old or absent; a failed update is reported only if the install fails as well.
   as_root env DEBIAN_FRONTEND=noninteractive apt-get -q update >"$log" 2>&1 </dev/null || true
   # shellcheck disable=SC2086
   if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y --no-install-recommends install $missing >>"$log" 2>&1 </dev/null; then

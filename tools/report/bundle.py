@@ -44,7 +44,7 @@ def wanted(lock: dict) -> dict[str, dict]:
 
 
 def tarball(registry: str, path: str, package: dict) -> bytes:
-    """The archive of a package, held against its digest."""
+    """The archive of a package, checked against its digest."""
     name = path.rpartition("node_modules/")[2]
     url = f"{registry.rstrip('/')}/{name}/-/{name.rpartition('/')[2]}-{package['version']}.tgz"
     try:

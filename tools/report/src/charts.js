@@ -151,7 +151,7 @@ function frontOptions(study, choice, chart) {
         label: {show: true, formatter: () => p.name, position: 'right', color: ink('text'), fontSize: 11}})),
       labelLayout: apart(chart, points.map((p) => p.value)),
       tooltip: {formatter: ({name, value, data}) => `${name}\nCPU ${brief(value[0])} s per s\n${table.title} ${brief(value[1])} ${table.unit}`
-        + (data.failed ? `, without the ${data.failed} of ${table.lines.length} sequences that failed, or are not there yet` : '')}}],
+        + (data.failed ? `, without the ${data.failed} of ${table.lines.length} sequences that failed or are missing` : '')}}],
   };
 }
 
@@ -197,7 +197,7 @@ export function chartsSection(study, choice) {
   const heatCard = h('div', {class: 'card'}, h('h3', null, study.axes.length ? 'Over the axes of the study' : 'Ratio to the baseline'),
     h('p', {class: 'note'}, heatData(study, table(), new Set()).words), heat.place);
   const frontCard = front && h('div', {class: 'card'}, h('h3', null, 'Cost against accuracy'),
-    h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs. Hollow: sequences failed or are not there yet, the place is of the others alone, and it cannot be on the front (dashed).'), front.place);
+    h('p', {class: 'note'}, 'Geometric means over sequences; dots are runs. Hollow: some sequences failed or are missing. The position is that of the others, and it cannot be on the front (dashed).'), front.place);
   choice.on(['metric', 'hidden', 'theme', 'logBoxes'], draw);
   queueMicrotask(draw);
   return section('charts', 'Distribution, ablation, cost', ['Of the figure chosen in the results: ', titles],

@@ -28,7 +28,7 @@ export function configSection(study) {
   const draw = () => {
     const rows = compare(all[state.a].values, all[state.b].values);
     const differences = rows.filter((row) => row[3]).length;
-    const cell = (value, differs) => h('td', {class: differs ? 'differs' : ''}, value === undefined ? h('span', {class: 'note'}, 'not there') : h('code', null, value));
+    const cell = (value, differs) => h('td', {class: differs ? 'differs' : ''}, value === undefined ? h('span', {class: 'note'}, 'missing') : h('code', null, value));
     place.replaceChildren(
       h('p', {class: 'note'}, differences ? `${differences} of ${rows.length} values differ.` : 'No difference.'),
       h('table', {class: 'plain configs'},
@@ -38,9 +38,9 @@ export function configSection(study) {
   };
   const pick = (side, label) => select(label, all.map((p, i) => [i, p.name]), state[side], (value) => { state[side] = Number(value); draw(); });
   draw();
-  return section('configs', 'Configuration', 'Resolved pipelines, every key at its effective value; of each method the first run.',
+  return section('configs', 'Configuration', 'Resolved pipelines, every key at its effective value; the first run of each method.',
     h('div', {class: 'tools'}, pick('a', 'first method'), h('span', null, 'against'), pick('b', 'second method'),
-      h('label', null, h('input', {type: 'checkbox', onchange: (event) => { state.whole = event.target.checked; draw(); }}), ' also what agrees')),
+      h('label', null, h('input', {type: 'checkbox', onchange: (event) => { state.whole = event.target.checked; draw(); }}), ' equal values too')),
     place);
 }
 
@@ -81,7 +81,7 @@ export function manifestSection(study) {
 export function failureSection(study) {
   const bad = study.runs.filter((run) => !run.good);
   if (!bad.length) return null;
-  return section('failures', 'Runs that failed or diverged', 'They stand in every table as worse than any figure.',
+  return section('failures', 'Runs that failed or diverged', 'They count in every table as worse than any figure.',
     h('div', {class: 'scroll'}, h('table', {class: 'plain'},
       h('thead', null, h('tr', null, ['data', 'method', 'status', 'reason'].map((text) => h('th', {scope: 'col'}, text)))),
       h('tbody', null, bad.map((run) => h('tr', null, h('th', {scope: 'row'}, run.data), h('td', null, run.method),

@@ -181,7 +181,7 @@ export function explorerSection(study, choice, chips) {
   const place = section('runs', 'Runs',
     'All runs over one recording, aligned to the truth as for the ATE. Drag a chart to zoom, double click to see all; a click, '
     + 'or the slider, moves the time.'
-    + (missing > 0 ? ` ${study.shown} of ${study.runs.length} runs have their course in this file: aslio report --limit makes room for more, and runs that ended early left none.` : ''),
+    + (missing > 0 ? ` ${study.shown} of ${study.runs.length} runs have time series in this file. aslio report --limit allows more; runs that ended early have none.` : ''),
     tools.top, chips,
     h('div', {class: 'explorer'},
       h('div', {class: 'pane'}, tools.space, explorer.space.element, explorer.legend, tools.time),

@@ -4,7 +4,7 @@ import {brief} from './model.js';
 
 const LOST = new Set(['alarm', 'lost']);
 const WORDS = {
-  alarm: 'the monitor raised its alarm', lost: 'lost', degenerate: 'a direction was not bound by the points', few_matches: 'too few matches',
+  alarm: 'the monitor raised its alarm', lost: 'lost', degenerate: 'the points left a direction open', few_matches: 'too few matches',
   not_converged: 'the registration did not converge', non_finite: 'no finite result', initialising: 'initialising', degraded: 'degraded',
 };
 /** A stretch is drawn at least so wide [px]: an alarm may last for one update. */

@@ -57,7 +57,7 @@ export class SpaceView {
     try {
       this.renderer = new WebGLRenderer({antialias: true, alpha: true, preserveDrawingBuffer: true});
     } catch {
-      this.element.append(h('p', {class: 'note'}, 'This browser offers no WebGL: no view in space.'));
+      this.element.append(h('p', {class: 'note'}, 'This browser has no WebGL, so there is no view in space.'));
       return;
     }
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));

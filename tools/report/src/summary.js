@@ -90,7 +90,7 @@ function rankWords(line) {
 /** Colour only for what is more than chance, and the stronger the larger it is. */
 function ratioLook(comparison) {
   if (!comparison || typeof comparison.ratio !== 'number') return {};
-  if (!significant(comparison)) return {title: 'no more than chance shows, or too few pairs to tell: p (Holm) is not below 0.05'};
+  if (!significant(comparison)) return {title: 'no difference beyond chance, or too few pairs: p (Holm) is not below 0.05'};
   return {class: comparison.ratio < 1 ? 'better' : 'worse', title: 'p (Holm) is below 0.05',
     style: {'--strength': `${Math.round(35 + 65 * strengthOf(comparison.ratio))}%`}};
 }
@@ -113,7 +113,7 @@ function tiles(study) {
 
 function leftOut(study) {
   return study.left_out?.length > 0 && h('div', {class: 'card warning'}, h('h3', null, 'Left out'),
-    h('p', null, 'The page would be larger than the limit of aslio report --limit, so that it lacks:'),
+    h('p', null, 'The page exceeds the limit of aslio report --limit. It leaves out:'),
     h('ul', null, study.left_out.map((text) => h('li', null, text))));
 }
 
@@ -131,7 +131,7 @@ export function summarySection(study, choice) {
   const draw = () => {
     const table = study.table(choice.get('metric'));
     place.replaceChildren(...[h('h3', null, `Standing by ${heading(table)}`), standingTable(study, choice.get('metric')),
-      table.comparisons.length > 0 && h('p', {class: 'note'}, 'A ratio has a colour where it is more than chance: p (Holm) below 0.05.')].filter(Boolean));
+      table.comparisons.length > 0 && h('p', {class: 'note'}, 'A ratio has a colour where p (Holm) is below 0.05.')].filter(Boolean));
   };
   if (study.tables.length) {
     choice.on(['metric', 'theme'], draw);

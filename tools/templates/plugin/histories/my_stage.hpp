@@ -20,7 +20,7 @@ class MyStage final : public aslio::HistoryPolicy {
     double gate = 3.0;
     std::int64_t max_points = 20000;
   };
-  /// Names, units, ranges and meanings: what `aslio describe` tells and what a configuration is checked against.
+  /// Names, units, ranges and meanings: for `aslio describe` and for the check of a configuration.
   static void describe(aslio::config::Binder& b, Params& p);
 
   MyStage(const Params& params, const aslio::BuildContext& context);

@@ -21,7 +21,7 @@ class MyStage final : public aslio::Map {
     double min_spacing = 0.1;
     double radius = 100.0;
   };
-  /// Names, units, ranges and meanings: what `aslio describe` tells and what a configuration is checked against.
+  /// Names, units, ranges and meanings: for `aslio describe` and for the check of a configuration.
   static void describe(aslio::config::Binder& b, Params& p);
 
   MyStage(const Params& params, const aslio::BuildContext& context);

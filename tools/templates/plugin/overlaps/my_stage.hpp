@@ -20,7 +20,7 @@ class MyStage final : public aslio::OverlapMetric {
     double delay = 0.1;
     std::int64_t min_points = 50;
   };
-  /// Names, units, ranges and meanings: what `aslio describe` tells and what a configuration is checked against.
+  /// Names, units, ranges and meanings: for `aslio describe` and for the check of a configuration.
   static void describe(aslio::config::Binder& b, Params& p);
 
   MyStage(const Params& params, const aslio::BuildContext& context);

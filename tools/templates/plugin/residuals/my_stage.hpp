@@ -19,7 +19,7 @@ class MyStage final : public aslio::Residual {
     double thickness = 0.05;
     double gate = 3.0;
   };
-  /// Names, units, ranges and meanings: what `aslio describe` tells and what a configuration is checked against.
+  /// Names, units, ranges and meanings: for `aslio describe` and for the check of a configuration.
   static void describe(aslio::config::Binder& b, Params& p);
 
   MyStage(const Params& params, const aslio::BuildContext& context);
