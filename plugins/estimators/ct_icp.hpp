@@ -14,7 +14,7 @@
 namespace aslio::plugins {
 
 /// Elastic registration of one window (CT-ICP): the poses at its begin and end are both unknown, points lie on the path
-/// between them and are de-skewed anew at every step; four priors tie the window to the one before (docs/equations.md
+/// between them and are de-skewed again at every step; four priors tie the window to the one before (docs/equations.md
 /// CT-1 to CT-4). History points hang on the end. LiDAR only, or with the IMU for the prediction.
 class CtIcp final : public Estimator {
  public:

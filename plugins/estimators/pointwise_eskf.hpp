@@ -14,7 +14,7 @@ namespace aslio::plugins {
 
 /// Error-state Kalman filter that takes points and IMU samples in the order of time, one update per firing, so that
 /// nothing needs de-skewing (He et al., Point-LIO, 2023). Angular rate and specific force are states; the IMU measures
-/// them, and an axis at the limit of its range tells nothing. Each point counts at its own moment and
+/// them, and an axis at the limit of its range is left out. Each point counts at its own moment and
 /// no second time, so the history has to be `none`. The window decides when points are taken in and enter the map, not
 /// when the state is updated (docs/equations.md PTW-1 to PTW-5). Update::states has a state per firing.
 class PointwiseEskf final : public Estimator {

@@ -17,7 +17,7 @@ namespace aslio::plugins {
 /// interval of an update, or one of the parts that the window strategy cuts it into (WindowPlan::cuts; FR-LIO's
 /// sub-frames). Each has a state at its end; the points of a slice measure the poses at both of its ends, each point
 /// once. All slices that reach into the window are smoothed together: at every iteration their points are placed and
-/// matched anew at the smoothed states, those of earlier updates against what was known before them. What leaves the
+/// matched again at the smoothed states, those of earlier updates against what was known before them. What leaves the
 /// window stays as the belief of its last state. So there is nothing for a history to add, and it has to be `none`.
 class Smoother final : public Estimator, private PointRevision {
  public:

@@ -15,7 +15,7 @@ namespace aslio::plugins {
 /// What enters once is what `on_new` inserts: the points of updates that were not refused. Those of a refused update
 /// are in no map, whatever comes later; those that were already waiting still enter at their time. A gap in the data
 /// moves the window on as data would, so all that waited enters before the first update behind it. What is inside the
-/// last window enters at the end of the stream. When the map begins anew, waiting points are dropped as those in the
+/// last window enters at the end of the stream. When the map starts again, waiting points are dropped as those in the
 /// map are, and the points of that update enter at once, so that the next one has a map.
 class InsertOnExit final : public Insertion {
  public:

@@ -14,7 +14,7 @@ namespace aslio::plugins {
 /// edge, of which those that were longest without a new point are forgotten once there are more than `capacity`. A
 /// query sees the points of its own voxel and of `nearby` ones around it, and nothing else, so that it is exact within
 /// one edge for 26 and an approximation for 6 and 18 (docs/equations.md MAP-3). Points that are not finite or beyond
-/// +-(2^20 - 64) voxels are refused, queries there find nothing. Feature classes are not told apart.
+/// +-(2^20 - 64) voxels are refused, queries there find nothing. Feature classes are not separated.
 class Ivox final : public Map {
  public:
   struct Params {

@@ -12,7 +12,7 @@ namespace aslio::plugins {
 /// Points in a hash of voxels, as structures of arrays with coordinates relative to the voxel, so that a map of any
 /// extent keeps the accuracy of float within one voxel. Exact: a query visits every voxel its ball touches (up to 32
 /// voxels away), nearest first, and leaves out only those farther than its k-th neighbour. Points that are not finite
-/// or beyond +-(2^20 - 64) voxels are refused, queries there find nothing. Feature classes are not told apart.
+/// or beyond +-(2^20 - 64) voxels are refused, queries there find nothing. Feature classes are not separated.
 class VoxelHash final : public Map {
  public:
   struct Params {

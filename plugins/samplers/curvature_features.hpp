@@ -1,5 +1,5 @@
 #pragma once
-/// `curvature_features`: points on edges and on planes, told by how a scan line bends at them (LOAM).
+/// `curvature_features`: points on edges and on planes, by the bend of a scan line at them (LOAM).
 
 #include <cstdint>
 #include <span>

@@ -164,7 +164,7 @@ TEST_CASE("an expectation that cannot be judged is refused with its place") {
                             "datasets: [{scene: scene_a.yaml}]\nmethods:\n" +
                             method("a", "fixed_window") + method("b", "as_lio_plus", "differs: [window]");
   CHECK_THAT(files.complaint(apart),
-             Contains("study.yaml:5:") && Contains("add to the `differs`") && Contains("history"));
+             Contains("study.yaml:5:") && Contains("add them to the `differs`") && Contains("history"));
 }
 
 TEST_CASE("the expectation stands in table.md") {

@@ -31,7 +31,7 @@ bool stderr_is_terminal();
 /// Columns; 80 where it does not say.
 std::size_t terminal_width();
 
-/// Logger that tells; `quiet` leaves warnings and errors only.
+/// Logger that prints; `quiet` leaves warnings and errors only.
 std::shared_ptr<spdlog::logger> make_logger(bool quiet);
 
 }  // namespace aslio::cli

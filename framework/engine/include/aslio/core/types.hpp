@@ -53,7 +53,7 @@ struct NavState {
   Vec3 g = Vec3(0, 0, -kStandardGravity);
   /// The gyro measures (I + S_w) w + b_w: errors of its scale factors on the diagonal, cross-axis terms beside it.
   Mat3 S_w = Mat3::Zero();
-  double imu_delay = 0;  ///< an IMU sample tells of the motion this long before its stamp [s]
+  double imu_delay = 0;  ///< an IMU sample measures the motion this long before its stamp [s]
 
   Pose pose() const { return {R, p}; }
 };

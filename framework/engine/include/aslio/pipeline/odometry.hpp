@@ -51,7 +51,7 @@ class Odometry {
   /// The source has ended: runs what is left.
   void finish();
 
-  /// The first loss, or nullptr. A run that was lost has diverged, also when it has begun anew.
+  /// The first loss, or nullptr. A run that was lost has diverged, also when it has started again.
   const Divergence* divergence() const;
   /// All of them, in the order of time.
   const std::vector<Divergence>& losses() const;
@@ -63,7 +63,7 @@ class Odometry {
   /// Of the first start. Nothing before its state has been found.
   const std::optional<Initialisation>& initialisation() const;
   const stream::MeasurementStream& stream() const;
-  /// Valid until the next push(): a run that begins anew has other stages.
+  /// Valid until the next push(): a run that starts again has other stages.
   const Map& map() const;
   const OverlapMetric& overlap() const;
   /// Of the whole run, losses included.

@@ -13,7 +13,7 @@ namespace aslio::pipeline {
 /// What the first sweeps say. All vectors have the axes of I at the begin.
 struct SweepMotion {
   Vec3 velocity = Vec3::Zero();  ///< of I at the begin [m/s]
-  Vec3 rate = Vec3::Zero();      ///< what the gyro does not tell of the rate; without IMU data all of it [rad/s]
+  Vec3 rate = Vec3::Zero();      ///< part of the rate that the gyro does not give; without IMU data all of it [rad/s]
   Vec3 gravity = Vec3::Zero();   ///< [m/s^2]; zero without IMU data
   double sigma_velocity = 0;     ///< standard deviation in the worst direction [m/s]
   double sigma_tilt = 0;         ///< of the direction of gravity [rad]

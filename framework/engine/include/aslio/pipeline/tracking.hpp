@@ -8,7 +8,7 @@
 
 namespace aslio::pipeline {
 
-/// When and why a run stopped being usable, and when it began anew (nothing: it did not).
+/// When and why a run stopped being usable, and when it started again (nothing: it did not).
 struct Divergence {
   TimeNs t = 0;
   std::string reason;

@@ -22,7 +22,7 @@ std::uint64_t state_digest(const NavState& state);
 struct UpdateRecord {
   WindowPlan plan;
   std::uint32_t sequence = 0;
-  std::uint32_t segment = 0;  ///< how often the run had begun anew before
+  std::uint32_t segment = 0;  ///< number of earlier new starts of the run
   UpdateStatus status = UpdateStatus::initialising;
   TrackingStatus tracking = TrackingStatus::initialising;
   std::uint32_t n_fresh = 0;    ///< raw points in the fresh interval

@@ -86,7 +86,7 @@ struct Update {
   /// them is still good: in space never seen before there is nothing to match.
   bool insert = true;
   bool unobservable = false;  ///< the points left a direction unknown (`degenerate`, or hidden by `not_converged`)
-  bool restart_map = false;   ///< the map is to begin anew with these points: what it holds was placed too badly
+  bool restart_map = false;   ///< the map must start again with these points: its own points are placed too badly
   NavState prior;             ///< at the end of the window, propagated
   NavState state;             ///< posterior (equals the prior when not accepted)
   StateMatrix P = StateMatrix::Zero();
@@ -153,7 +153,7 @@ class Estimator : public Stage {
   virtual bool uses_history() const { return true; }
   /// Whether it makes anything of WindowPlan::cuts. If not, the window has to give none.
   virtual bool uses_cuts() const { return false; }
-  /// Whether it asks for points by their feature_class. If so, a sampler has to tell it.
+  /// Whether it asks for points by their feature_class. If so, a sampler has to set it.
   virtual bool uses_features() const { return false; }
   /// Whether it goes on with states of earlier windows, which adopt() ends: then no smoother can wrap it.
   virtual bool smooths() const { return false; }

@@ -7,7 +7,7 @@ namespace aslio {
 
 /// Contract. begin() is called once per window before its update; what leaves the window may enter the map there, since
 /// neither history nor map would hold it during the update otherwise. apply() is called once per update whose
-/// points may enter (Update::insert), after the overlap has been measured; if the map begins anew with this update
+/// points may enter (Update::insert), after the overlap has been measured; if the map starts again with this update
 /// (Update::restart_map) it has been cleared before, and what came earlier must not enter it any more. finish() is
 /// called at the end of the stream. No others ever enter.
 class Insertion : public Stage {

@@ -19,8 +19,8 @@ struct MapQuery {
   int k = 5;                             ///< up to this many neighbours, 1..Neighbours::kMax
   double max_distance = 1.0;             ///< [m]
   std::uint32_t max_stamp = 0xffffffff;  ///< only points inserted at this update or before
-  std::uint8_t feature = 0;              ///< feature_class; only maps that say so tell its kinds apart
-  std::optional<Vec3> viewpoint = {};    ///< of the sensor, W [m]; for maps that tell the faces of a wall apart
+  std::uint8_t feature = 0;              ///< feature_class; only maps that say so separate its kinds
+  std::optional<Vec3> viewpoint = {};    ///< of the sensor, W [m]; for maps that separate the faces of a wall
 };
 
 /// Neighbours of a batch of queries. offset(i, j) = neighbour j of query i MINUS the query [m] (float is exact enough

@@ -26,7 +26,7 @@ struct SampleBatch {
 
 /// Contract. `acts_on` = raw samplers run before de-skew and must not read `body`; body samplers run after it. A raw
 /// sampler decides by a point's own data (its index counts over the stream, so a decision does not depend on where
-/// windows were cut) and by what the last update told. Deterministic; not thread-safe; no allocation after warm-up;
+/// windows were cut) and by the result of the last update. Deterministic; not thread-safe; no allocation after warm-up;
 /// O(n).
 class Sampler : public Stage {
  public:
@@ -39,7 +39,7 @@ class Sampler : public Stage {
   virtual bool gives_features() const { return false; }
   /// Whether it decides by the feature_class of points. If so, one before it has to give it.
   virtual bool takes_features() const { return false; }
-  /// What the update before told, once before every update; after a new start, as before the first.
+  /// Result of the update before, once before every update; after a new start, as before the first.
   virtual void observe(const Feedback&) {}
   virtual void sample(SampleBatch& batch) = 0;
 };

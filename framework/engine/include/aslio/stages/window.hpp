@@ -24,7 +24,7 @@ struct OverlapScore {
   std::uint32_t points = 0;                        ///< points scored
 };
 
-/// What the last update tells the window strategy and the samplers. Before the first update `t` is the start of the
+/// Result of the last update, for the window strategy and the samplers. Before the first update `t` is the start of the
 /// stream.
 struct Feedback {
   TimeNs t = 0;                       ///< t_{k-1}, end of the last window

@@ -33,7 +33,7 @@ class JumpGuard {
   enum class Verdict {
     take,      ///< and the measurements that are held, if any, had wild stamps: drop them
     ignore,    ///< a wild stamp
-    hold,      ///< a pause or a wild stamp, as the next ones will tell; drop what is held already
+    hold,      ///< a pause or a wild stamp, as the next ones will show; drop what is held already
     hold_too,  ///< with what is held already, as it agrees with that
     begin,     ///< the only measurement before had the wild stamp: forget that one and take this
     jumped,    ///< the clock: this one and the two before agree on it

@@ -30,7 +30,7 @@ struct ImuRange {
 
 /// Refuses up to three samples in a row that lie far from those before and after them, which agree with each other. A
 /// motion is no spike: what a body does within 5 ms, the sample after shows as well. Holds back what it doubts until
-/// the next samples tell; the others pass.
+/// the next samples show it; the others pass.
 class ImuSpikes {
  public:
   /// Pre: stamps differ from those that are held. Appends to `out` what has been judged, in the order of arrival.

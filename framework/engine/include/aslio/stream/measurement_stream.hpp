@@ -56,12 +56,12 @@ class MeasurementStream final : public StreamView {
   /// `range`: of the IMU, as far as it is known.
   explicit MeasurementStream(const ImuRange& range) : screen_(range) {}
 
-  /// Points in any order. Three measurements in a row that agree tell that a clock jumped (> 1 s back or > 60 s ahead).
+  /// Points in any order. Three measurements in a row that agree show that a clock jumped (> 1 s back or > 60 s ahead).
   /// Where the other sensor's did, too, the points are forgotten, and what follows is moved to go on in time
   /// (clock_jumps()). Where the other sensor goes on for a second, or has sent nothing, the push()es throw DataError.
   /// Fewer are ignored and counted, and so is the first of all when the three after it agree against it. One of more
-  /// than 1 s ahead is held until the next two of its sensor tell whether it was a pause, or at the end of the data the
-  /// other sensor. A copy tells nothing. IMU samples pass a screen (ImuScreen).
+  /// than 1 s ahead is held until the next two of its sensor show whether it was a pause, or at the end of the data the
+  /// other sensor. A copy shows nothing. IMU samples pass a screen (ImuScreen).
   void push(LidarPacket&& packet);
   void push(const ImuSample& sample);
   /// No more data: *_until() become kTimeMax.
@@ -100,7 +100,7 @@ class MeasurementStream final : public StreamView {
 
   bool finished() const { return finished_; }
   /// Whether of each sensor in use more than one measurement was taken, or there are no more: until then the first may
-  /// turn out to have had a wild stamp, and nothing should be begun or released by it.
+  /// turn out to have had a wild stamp, and nothing should start or be released by it.
   bool settled() const { return finished_ || (recent_count_ > 1 && (imu_left_out_ || imu_settled())); }
   bool imu_settled() const { return counters_.imu > 1; }
   std::optional<TimeNs> first_point() const { return first_point_; }

@@ -100,9 +100,9 @@ struct Section {
   std::optional<double> duration;
 };
 
-/// Opens a recording of messages (a bag, MCAP file or rosbag2 database, a folder or pattern of parts) or a folder of files
-/// (a KITTI raw drive, scans with a table of an IMU), by what it is. Checks topics and types at once; throws DataError
-/// that names the file, what was found and the remedy; a pipe or device is refused without being opened.
+/// Opens a recording of messages (a bag, MCAP file or rosbag2 database, a folder or pattern of parts) or a folder of
+/// files (a KITTI raw drive, scans with a table of an IMU), by what it is. Checks topics and types at once; throws
+/// DataError that names the file, what was found and the remedy; a pipe or device is refused without being opened.
 std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path, const SensorConfig& sensor,
                                                const Section& section = {});
 

@@ -13,7 +13,7 @@ class ConstantTwist {
     if (t_ != kTimeMin) xi_ = log_se3(pose_.inverse() * found) / to_seconds(t - t_);
     hold(found, t);
   }
-  /// A pose that tells nothing of the motion.
+  /// A pose that shows nothing of the motion.
   void hold(const Pose& found, TimeNs t) {
     pose_ = found;
     t_ = t;

@@ -41,7 +41,7 @@ struct PoseInformation {
   }
 };
 
-/// The same over a window whose points were measured tau [s] before its end: moments of tau tell how errors that grow
+/// The same over a window whose points were measured tau [s] before its end: moments of tau show how errors that grow
 /// with it (velocity, turn rate) show. eq. DSK-3.
 struct WindowInformation : PoseInformation {
   Mat6 A1 = Mat6::Zero(), A2 = Mat6::Zero();  ///< sums of tau h^T h / R and tau^2 h^T h / R, both triangles

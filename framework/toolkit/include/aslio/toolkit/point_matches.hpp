@@ -40,7 +40,7 @@ std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_p
                            double& rms);
 
 /// Whether a match, given its rows, passes a gate: as a whole, when r^2 is beyond `limit` [m^2] in no row that has
-/// information. What is not a number passes, and is told of by the update.
+/// information. What is not a number passes, and the update reports it.
 inline bool within(std::span<const ResidualRow> rows, double limit) {
   return std::all_of(rows.begin(), rows.end(),
                      [limit](const ResidualRow& z) { return !z.takes_part() || !(z.r * z.r > limit); });

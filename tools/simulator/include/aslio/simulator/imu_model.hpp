@@ -25,7 +25,7 @@ struct ImuModel {
   double scale_error = 0;    ///< up to this, scale factor of each axis of both sensors: sensitivity is 1 + error
   double cross_axis = 0;     ///< up to this, each off-diagonal term of both sensitivity matrices
   double g_sensitivity = 0;  ///< up to this, each term of the gyro's response to force [rad/s per m/s^2]
-  double delay = 0;          ///< a sample tells of the motion this much earlier (low-pass filter) [s]
+  double delay = 0;          ///< a sample shows the motion this much earlier (low-pass filter) [s]
 };
 
 /// What is constant for one sensor: it measures gyro_sensitivity w + g_sensitivity f and acc_sensitivity f of the

@@ -30,7 +30,7 @@ struct ImuParams {
   std::optional<double> scale_error;                    ///< up to this per axis, both sensors [%]
   std::optional<double> cross_axis;                     ///< up to this for each off-diagonal term, both sensors [%]
   std::optional<double> g_sensitivity;                  ///< up to this for each term [deg/s per g]
-  std::optional<double> delay;                  ///< of the low-pass filter: a sample tells of this much earlier [ms]
+  std::optional<double> delay;  ///< of the low-pass filter: a sample shows the motion this much earlier [ms]
   std::optional<double> gyro_range, acc_range;  ///< where samples are clipped [deg/s], [g]
   static void describe(config::Binder& b, ImuParams& params);
 };
