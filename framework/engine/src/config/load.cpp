@@ -14,7 +14,8 @@
 namespace aslio::config {
 namespace {
 
-constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor, FileKind::scene, FileKind::dataset, FileKind::study};
+constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor, FileKind::scene,
+                            FileKind::dataset,  FileKind::study,  FileKind::reference};
 
 std::string schema_of(FileKind kind) { return "aslio/" + std::string(name(kind)) + "/1"; }
 
@@ -95,6 +96,8 @@ std::string_view name(FileKind kind) {
       return "dataset";
     case FileKind::study:
       return "study";
+    case FileKind::reference:
+      return "reference";
   }
   return {};
 }

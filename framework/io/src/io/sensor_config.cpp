@@ -100,6 +100,16 @@ void InputTimes::describe(config::Binder& b, InputTimes& times) {
          "the motion within a sweep has been taken out: all its points are of the header stamp");
 }
 
+std::vector<NamedTransform> SensorConfig::all_transforms() const {
+  std::vector<NamedTransform> all = transforms;
+  NamedTransform mount{"imu", "lidar", {}};
+  const Pose& T = model.T_imu_lidar;
+  mount.T.translation = {T.p.x(), T.p.y(), T.p.z()};
+  mount.T.rotation = rows_of(T.R);
+  all.push_back(std::move(mount));
+  return all;
+}
+
 void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   sensor.from_file = true;
   b.text("lidar_topic", sensor.lidar_topic, "LiDAR topic of a bag; empty: the only one of a known type");
@@ -141,6 +151,9 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
     model.T_imu_lidar.p = Vec3(extrinsic.translation[0], extrinsic.translation[1], extrinsic.translation[2]);
     model.T_imu_lidar.R = exact ? R : orthonormalised(R);
   }
+  b.groups("transforms", sensor.transforms,
+           "transforms between further frames, for a reference in one of them; `imu` and `lidar` are those of "
+           "T_imu_lidar, `reference` is the frame of a reference that names none");
   std::vector<double> sensitivity = rows_of(sensor.gyro_sensitivity);
   b.reals("gyro_sensitivity", sensitivity, 9, "1", {.min = -kMaxSensitivity, .max = kMaxSensitivity},
           "S, known beforehand, row by row: the gyro measures (I + S) w and a bias; taken out of what is read "

@@ -11,6 +11,7 @@
 
 #include "aslio/core/measurement.hpp"
 #include "aslio/core/sensor.hpp"
+#include "aslio/io/transforms.hpp"
 
 namespace aslio::config {
 class Binder;
@@ -62,7 +63,11 @@ struct SensorConfig {
   Mat3 gyro_sensitivity = Mat3::Zero();                           ///< S: the gyro measures (I + S) w and a bias
   std::array<double, 3> gyro_signs{1, 1, 1}, acc_signs{1, 1, 1};  ///< -1: the axis points the other way
   double imu_delay = 0;    ///< a sample tells of the motion this long before its stamp [s]
+  std::vector<NamedTransform> transforms;  ///< between further frames, for a reference in one of them
   bool from_file = false;  ///< a sensor file was read: its extrinsic is meant, also where it is the identity
+
+  /// `transforms`, and T_imu_lidar between the frames `imu` and `lidar`.
+  std::vector<NamedTransform> all_transforms() const;
 
   static void describe(config::Binder& b, SensorConfig& sensor);
 };
