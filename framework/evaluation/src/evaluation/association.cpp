@@ -31,13 +31,16 @@ std::string mismatch_cause(const Trajectory& estimate, const Trajectory& referen
   for (const double factor : {1e3, 1e6, 1e9}) {
     const char* unit = factor == 1e3 ? "ms" : factor == 1e6 ? "us" : "ns";
     const auto near = [&](double value) { return value > 0.7 * factor && value < 1.4 * factor; };
-    if (near(ratio)) return fmt::format("the estimate lasts {:.0e} times longer: are its stamps in {}?", factor, unit);
+    if (near(ratio))
+      return fmt::format("the estimate lasts {:.0e} times longer: are its stamps in {} (set its `time_unit`)?", factor,
+                         unit);
     if (near(1.0 / ratio))
-      return fmt::format("the reference lasts {:.0e} times longer: are its stamps in {}?", factor, unit);
+      return fmt::format("the reference lasts {:.0e} times longer: are its stamps in {} (set its `time_unit`)?", factor,
+                         unit);
   }
   return fmt::format(
       "the estimate begins {:+.3f} s from the reference: is one of them in another clock (shift its "
-      "stamps by this constant) or of another recording?",
+      "stamps by this constant, `time_offset` of the reference) or of another recording?",
       seconds_between(reference.begin_time(), estimate.begin_time()));
 }
 
@@ -74,6 +77,16 @@ double covered_share(const Trajectory& estimate, const Trajectory& reference, Ti
   return std::min(1.0, covered / duration);
 }
 
+/// Whether both neighbours of `t` are at most `most` away.
+bool has_neighbours(std::span<const StampedPose> samples, TimeNs t, TimeNs most) {
+  if (most == kTimeMax) return true;
+  const auto next = std::lower_bound(samples.begin(), samples.end(), t,
+                                     [](const StampedPose& sample, TimeNs time) { return sample.t < time; });
+  if (next == samples.end()) return false;
+  if (next->t == t) return true;
+  return next->t - t <= most && next != samples.begin() && t - (next - 1)->t <= most;
+}
+
 /// Index of the sample nearest to `t`, the earlier of two equally near.
 std::size_t nearest(std::span<const StampedPose> samples, TimeNs t) {
   const auto next = std::lower_bound(samples.begin(), samples.end(), t,
@@ -96,17 +109,33 @@ TimeNs steps_without_pose(const Trajectory& trajectory, TimeNs t, TimeNs period)
 }  // namespace
 
 Association associate_interpolated(const Trajectory& estimate, const Trajectory& reference, TimeNs max_reference_gap,
-                                   TimeNs max_estimate_gap) {
+                                   TimeNs max_estimate_gap, TimeNs max_neighbour) {
   require_poses(estimate, reference);
   Association result;
   result.estimate_poses = estimate.size();
   for (const StampedPose& sample : estimate.samples()) {
+    if (!has_neighbours(reference.samples(), sample.t, max_neighbour)) continue;
     const auto truth = reference.pose(sample.t, max_reference_gap);
     if (truth) result.pairs.push_back({sample.t, sample.T, *truth});
   }
   require_matches(result, estimate, reference,
                   fmt::format("between two samples at most {} s apart", to_seconds(max_reference_gap)),
                   "use a denser reference");
+  result.covered = covered_share(estimate, reference, max_estimate_gap);
+  return result;
+}
+
+Association associate_at_reference(const Trajectory& estimate, const Trajectory& reference, TimeNs max_estimate_gap) {
+  require_poses(estimate, reference);
+  Association result;
+  result.estimate_poses = reference.size();
+  for (const StampedPose& truth : reference.samples()) {
+    const auto ours = estimate.pose(truth.t, max_estimate_gap);
+    if (ours) result.pairs.push_back({truth.t, *ours, truth.T});
+  }
+  require_matches(result, estimate, reference,
+                  fmt::format("at which it has poses at most {} s apart", to_seconds(max_estimate_gap)),
+                  "use an estimate without gaps");
   result.covered = covered_share(estimate, reference, max_estimate_gap);
   return result;
 }

@@ -5,6 +5,7 @@
 #include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/evaluation/evaluation.hpp"
+#include "doubts.hpp"
 
 namespace aslio::evaluation {
 
@@ -15,6 +16,7 @@ void check(const Options& options) {
     if (!(value > 0.0 && value < 1e9)) throw ConfigError(fmt::format("{} is {}, must be positive", name, value));
   };
   positive("max_reference_gap", options.max_reference_gap);
+  positive("max_neighbour", 0.5 * options.max_neighbour);
   positive("max_estimate_gap", options.max_estimate_gap);
   positive("evo_max_difference", options.evo_max_difference);
   positive("grid_period", options.grid_period);
@@ -32,6 +34,7 @@ Mat3 rotation_error(const PosePair& pair, const Mat3& R_alignment) {
 struct Sample {
   std::vector<PosePair> pairs;
   std::vector<double> weights;
+  bool positions_only = false;
 };
 
 // eq. EVAL-9
@@ -41,9 +44,10 @@ PoseErrors absolute_errors(const Sample& sample, const Pose& alignment) {
   rotation.reserve(sample.pairs.size());
   for (const PosePair& pair : sample.pairs) {
     translation.push_back((alignment * pair.estimate.p - pair.reference.p).norm());
-    rotation.push_back(kDegPerRad * log_so3(rotation_error(pair, alignment.R)).norm());
+    if (!sample.positions_only) rotation.push_back(kDegPerRad * log_so3(rotation_error(pair, alignment.R)).norm());
   }
-  return {weighted_statistics(translation, sample.weights), weighted_statistics(rotation, sample.weights)};
+  return {weighted_statistics(translation, sample.weights),
+          sample.positions_only ? Statistics{} : weighted_statistics(rotation, sample.weights)};
 }
 
 /// Weighted RMS angle [deg] of left^T * rotation_error(pair, R). eq. EVAL-9
@@ -75,7 +79,7 @@ Mat3 body_rotation(const Sample& sample, const Mat3& R_alignment) {
 }
 
 void evaluate_turns(const Sample& sample, const Trajectory& reference, Evaluation& result) {
-  Sample turns, straight;
+  Sample turns, straight;  // of a reference with orientations
   for (std::size_t i = 0; i < sample.pairs.size(); ++i) {
     Sample& part = turn_rate(reference, sample.pairs[i].t) > result.options.turn_rate ? turns : straight;
     part.pairs.push_back(sample.pairs[i]);
@@ -180,6 +184,46 @@ void warn_of_alignment(const Sample& sample, Evaluation& result) {
                   spread, alignment == Alignment::se3 ? "across their main direction" : "horizontally", kTimes, error));
 }
 
+Association associate(const Trajectory& estimate, const Trajectory& reference, const Options& options) {
+  const TimeNs estimate_gap = to_ns(options.max_estimate_gap);
+  switch (options.rule) {
+    case Rule::evo:
+      return associate_nearest(estimate, reference, to_ns(options.evo_max_difference), estimate_gap);
+    case Rule::at_reference:
+      return associate_at_reference(estimate, reference, estimate_gap);
+    case Rule::interpolated:
+      break;
+  }
+  return associate_interpolated(estimate, reference, to_ns(options.max_reference_gap), estimate_gap,
+                                to_ns(options.max_neighbour));
+}
+
+/// Of what needs the orientation of the reference.
+void evaluate_rotations(const Sample& sample, const Trajectory& estimate, const Trajectory& reference,
+                        Evaluation& result) {
+  result.end_to_end = end_to_end(estimate, sample.pairs);
+  if (sample.positions_only) {
+    result.end_to_end.error = result.end_to_end.rotation_error = 0;
+    return;
+  }
+  result.ate_deg_rotation_aligned = rotation_rmse(sample, Mat3::Identity(), world_rotation(sample));
+  const Mat3& R = result.T_reference_estimate.R;
+  result.ate_deg_body_offset_removed = rotation_rmse(sample, body_rotation(sample, R), R);
+  evaluate_turns(sample, reference, result);
+  evaluate_relative(sample, reference, result);
+}
+
+Trajectory shifted(const Trajectory& trajectory, const Vec3& by) {
+  std::vector<StampedPose> poses(trajectory.samples().begin(), trajectory.samples().end());
+  for (StampedPose& pose : poses) pose.T.p += by;
+  return Trajectory(std::move(poses));
+}
+
+/// What was taken off the reference shows in the transform alone.
+void restore_origin(Evaluation& result) {
+  if (result.options.alignment != Alignment::none) result.T_reference_estimate.p += result.options.reference_origin;
+}
+
 }  // namespace
 
 double turn_rate(const Trajectory& reference, TimeNs t) {
@@ -192,14 +236,14 @@ double turn_rate(const Trajectory& reference, TimeNs t) {
   return log_so3(from->R.transpose() * to->R).norm() / to_seconds(end - begin);
 }
 
-Evaluation evaluate(const Trajectory& estimate, const Trajectory& reference, const Options& options) {
+Evaluation evaluate(const Trajectory& given, const Trajectory& reference, const Options& options) {
   check(options);
-  const bool evo = options.rule == Rule::evo;
+  const bool moves = options.alignment == Alignment::none && !options.reference_origin.isZero(0);
+  const Trajectory moved = moves ? shifted(given, -options.reference_origin) : Trajectory();
+  const Trajectory& estimate = moves ? moved : given;
   const TimeNs reference_gap = to_ns(options.max_reference_gap);
   const TimeNs estimate_gap = to_ns(options.max_estimate_gap);
-  Association association =
-      evo ? associate_nearest(estimate, reference, to_ns(options.evo_max_difference), estimate_gap)
-          : associate_interpolated(estimate, reference, reference_gap, estimate_gap);
+  Association association = associate(estimate, reference, options);
 
   Evaluation result;
   result.options = options;
@@ -211,25 +255,28 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& reference, con
   result.estimate_path = estimate.path_length();
   result.reference_path = reference.path_length();
   warn_of_shares(result);
+  warn_of_reference(estimate, reference, result);
 
-  Sample sample{std::move(association.pairs), {}};
-  const bool weighted = options.weight_by_time && !evo;
+  Sample sample{std::move(association.pairs), {}, options.positions_only};
+  const bool weighted = options.weight_by_time && options.rule != Rule::evo;
   sample.weights = weighted ? time_weights(sample.pairs, estimate_gap) : std::vector<double>(sample.pairs.size(), 1.0);
   result.T_reference_estimate = align(options.alignment, sample.pairs, sample.weights);
-  const Mat3& R = result.T_reference_estimate.R;
   result.ate = absolute_errors(sample, result.T_reference_estimate);
   warn_of_alignment(sample, result);
-  result.ate_deg_rotation_aligned = rotation_rmse(sample, Mat3::Identity(), world_rotation(sample));
-  result.ate_deg_body_offset_removed = rotation_rmse(sample, body_rotation(sample, R), R);
   result.ate_yaw = aligned_errors(sample, Alignment::yaw, "aligned by yaw", result);
-
-  Sample grid{associate_on_grid(estimate, reference, to_ns(options.grid_period), reference_gap, estimate_gap), {}};
-  grid.weights.assign(grid.pairs.size(), 1.0);
-  result.ate_grid = aligned_errors(grid, options.alignment, "on the common grid", result);
-
-  evaluate_turns(sample, reference, result);
-  evaluate_relative(sample, reference, result);
-  result.end_to_end = end_to_end(estimate, sample.pairs);
+  if (options.rule != Rule::at_reference) {
+    Sample grid{associate_on_grid(estimate, reference, to_ns(options.grid_period), reference_gap, estimate_gap),
+                {},
+                options.positions_only};
+    grid.weights.assign(grid.pairs.size(), 1.0);
+    result.ate_grid = aligned_errors(grid, options.alignment, "on the common grid", result);
+  }
+  evaluate_rotations(sample, estimate, reference, result);
+  if (options.scoring != Scoring::none) {
+    result.score = score_of(options.scoring, sample.pairs, result.T_reference_estimate, reference.size());
+  }
+  warn_of_time_offset(estimate, reference, result);
+  restore_origin(result);
   return result;
 }
 

@@ -26,7 +26,22 @@ const char* name(Alignment alignment) {
 
 const char* name(DeltaUnit unit) { return unit == DeltaUnit::metres ? "m" : "s"; }
 
-const char* name(Rule rule) { return rule == Rule::evo ? "evo" : "interpolated"; }
+const char* name(Rule rule) {
+  switch (rule) {
+    case Rule::evo:
+      return "evo";
+    case Rule::at_reference:
+      return "at_reference";
+    case Rule::interpolated:
+      break;
+  }
+  return "interpolated";
+}
+
+const char* name(Scoring scoring) { return scoring == Scoring::hilti_2022 ? "hilti_2022" : "hilti_2023"; }
+
+/// Nothing for a figure that the reference cannot tell.
+Json known(bool is, double value) { return is ? Json(value) : Json(nullptr); }
 
 Json json_of(const Statistics& s) {
   return {{"n", s.n},     {"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median},
@@ -34,7 +49,8 @@ Json json_of(const Statistics& s) {
 }
 
 Json json_of(const PoseErrors& errors) {
-  return {{"translation_m", json_of(errors.translation)}, {"rotation_deg", json_of(errors.rotation)}};
+  return {{"translation_m", json_of(errors.translation)},
+          {"rotation_deg", errors.rotation.n > 0 ? json_of(errors.rotation) : Json(nullptr)}};
 }
 
 Json json_of(const std::optional<PoseErrors>& errors) { return errors ? json_of(*errors) : Json(nullptr); }
@@ -60,6 +76,7 @@ void add_row(std::string& text, const std::string& label, const std::optional<Po
     return;
   }
   for (const auto& [unit, s] : {std::pair("m", errors->translation), std::pair("deg", errors->rotation)}) {
+    if (s.n == 0) continue;
     fmt::format_to(out, "{:<26}{:>6}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}  {}\n",
                    unit[0] == 'm' ? label : std::string(), s.n, s.rmse, s.mean, s.median, s.std, s.min, s.max, unit);
   }
@@ -70,16 +87,17 @@ void add_row(std::string& text, const std::string& label, const std::optional<Po
 Json to_json(const Evaluation& e) {
   Json json;
   json["ate_m"] = e.ate.translation.rmse;
-  json["ate_deg"] = e.ate.rotation.rmse;
+  const bool turned = !e.options.positions_only;
+  json["ate_deg"] = known(turned, e.ate.rotation.rmse);
   json["rpe"] = Json::array();
   for (const RelativeError& error : e.rpe) json["rpe"].push_back(json_of(error));
   json["end_to_end_m"] = e.end_to_end.distance;
   json["matched"] = e.matched_share;
   json["covered"] = e.covered_share;
-  json["ate_deg_rotation_aligned"] = e.ate_deg_rotation_aligned;
-  json["ate_deg_body_offset_removed"] = e.ate_deg_body_offset_removed;
-  json["end_to_end_error_m"] = e.end_to_end.error;
-  json["end_to_end_error_deg"] = e.end_to_end.rotation_error;
+  json["ate_deg_rotation_aligned"] = known(turned, e.ate_deg_rotation_aligned);
+  json["ate_deg_body_offset_removed"] = known(turned, e.ate_deg_body_offset_removed);
+  json["end_to_end_error_m"] = known(turned, e.end_to_end.error);
+  json["end_to_end_error_deg"] = known(turned, e.end_to_end.rotation_error);
   json["estimate_path_m"] = e.estimate_path;
   json["reference_path_m"] = e.reference_path;
   json["counts"] = {{"poses", e.estimate_poses}, {"matched", e.matched}, {"unmatched", e.unmatched}};
@@ -91,6 +109,11 @@ Json to_json(const Evaluation& e) {
   json["ate_grid"] = json_of(e.ate_grid);
   json["ate_turns"] = json_of(e.ate_turns);
   json["ate_straight"] = json_of(e.ate_straight);
+  json["positions_only"] = e.options.positions_only;
+  json["score"] = e.score ? Json{{"name", name(e.options.scoring)}, {"value", *e.score}, {"most", 100}} : Json(nullptr);
+  json["time_offset"] = e.time_offset
+                            ? Json{{"seconds", e.time_offset->seconds}, {"position_m", e.time_offset->rmse_after}}
+                            : Json(nullptr);
   json["warnings"] = e.warnings;
   return json;
 }
@@ -109,6 +132,12 @@ std::string to_text(const Evaluation& e) {
   add_row(text, fmt::format("common {:g} Hz grid", 1.0 / e.options.grid_period), e.ate_grid);
   add_row(text, fmt::format("turns (> {:g} rad/s)", e.options.turn_rate), e.ate_turns);
   add_row(text, "straight", e.ate_straight);
+  if (e.score) fmt::format_to(out, "score {}: {:.2f} of 100\n", name(e.options.scoring), *e.score);
+  if (e.options.positions_only) {
+    text += "the reference tells positions only: no rotation error, no relative error\n";
+    for (const std::string& warning : e.warnings) fmt::format_to(out, "warning: {}\n", warning);
+    return text;
+  }
   fmt::format_to(out, "rotation, worlds aligned by orientation: {:.4f} deg; body offset removed: {:.4f} deg\n\n",
                  e.ate_deg_rotation_aligned, e.ate_deg_body_offset_removed);
   fmt::format_to(out, "{:<26}{:>6}{:>10}{:>10}\n", "relative error (rmse)", "pairs", "m", "deg");

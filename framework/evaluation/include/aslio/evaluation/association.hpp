@@ -25,10 +25,15 @@ struct Association {
 };
 
 /// The reference interpolated (SLERP, linear position) at the estimate's stamps; a stamp between two reference samples
-/// more than `max_reference_gap` apart stays unmatched. Stretches of the estimate without a pose for more than
-/// `max_estimate_gap` are not covered. Throws DataError that names both time ranges when nothing matches. eq. EVAL-1
+/// more than `max_reference_gap` apart, or with either of them farther than `max_neighbour`, stays unmatched. Stretches
+/// of the estimate without a pose for more than `max_estimate_gap` are not covered. Throws DataError that names both
+/// time ranges when nothing matches. eq. EVAL-1
 Association associate_interpolated(const Trajectory& estimate, const Trajectory& reference, TimeNs max_reference_gap,
-                                   TimeNs max_estimate_gap);
+                                   TimeNs max_estimate_gap, TimeNs max_neighbour = kTimeMax);
+
+/// The estimate interpolated at the stamps of the reference, across gaps of at most `max_estimate_gap`: for a sparse
+/// reference. Counts are of the poses of the reference. Same errors. eq. EVAL-12
+Association associate_at_reference(const Trajectory& estimate, const Trajectory& reference, TimeNs max_estimate_gap);
 
 /// The rule of evo: for each pose of the shorter trajectory (the estimate when equal) the pose of the other nearest in
 /// time, if within `max_difference`; a pose may serve twice. Same errors. eq. EVAL-2

@@ -7,18 +7,24 @@
 
 #include "aslio/evaluation/alignment.hpp"
 #include "aslio/evaluation/statistics.hpp"
+#include "aslio/evaluation/time_offset.hpp"
 
 namespace aslio::evaluation {
 
 /// interpolated: the reference at the estimate's stamps, errors weighted by time.
 /// evo: nearest stamps within 0.01 s, every pair counts the same, as evo_ape and evo_rpe do.
-enum class Rule { interpolated, evo };
+/// at_reference: the estimate at the reference's stamps, for a sparse reference.
+enum class Rule { interpolated, evo, at_reference };
+
+/// Points for each pose of the reference by its position error, none for one that is not matched. eq. EVAL-14
+enum class Scoring { none, hilti_2022, hilti_2023 };
 
 struct Options {
   Rule rule = Rule::interpolated;
   Alignment alignment = Alignment::se3;
   bool weight_by_time = true;        ///< of the rule interpolated; false: every pair counts the same
   double max_reference_gap = 0.1;    ///< [s] no interpolation of the reference across more
+  double max_neighbour = 1e9;        ///< [s] of a stamp, to either sample of the reference beside it
   double max_estimate_gap = 1.0;     ///< [s] longer gaps are not covered, and a pose never weighs for more
   double evo_max_difference = 0.01;  ///< [s]
   double grid_period = 0.1;          ///< [s]
@@ -27,11 +33,16 @@ struct Options {
   /// usual speed, below which an estimate of 10 Hz may have no pairs, up to half its path.
   std::vector<double> distances;
   std::vector<double> durations = {1.0};  ///< [s]
+  /// The reference tells positions of a point alone, which are those of the estimate: no figure of rotation, and none
+  /// of what needs the orientation of the reference (relative errors, turns).
+  bool positions_only = false;
+  Scoring scoring = Scoring::none;
+  Vec3 reference_origin = Vec3::Zero();  ///< [m] what was taken off the positions of a reference far from its origin
 };
 
 struct PoseErrors {
   Statistics translation;  ///< [m]
-  Statistics rotation;     ///< [deg]
+  Statistics rotation;     ///< [deg]; n = 0 where the reference tells none
 };
 
 enum class DeltaUnit { metres, seconds };
@@ -70,6 +81,8 @@ struct Evaluation {
   std::vector<RelativeError> rpe;          ///< without alignment, pairs chosen along the reference
   EndToEnd end_to_end;
   double estimate_path = 0, reference_path = 0;  ///< [m]
+  std::optional<double> score;                   ///< 0 to 100, of Options::scoring
+  std::optional<TimeOffset> time_offset;         ///< that would lower the error; nothing was shifted
   std::vector<std::string> warnings;             ///< why the figures may not mean what they seem to
 };
 
