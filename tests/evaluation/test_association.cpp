@@ -92,20 +92,23 @@ TEST_CASE("no time in common: both ranges and the offset are named") {
   const Trajectory reference = sampled(1'600'000'000 * kSecond, 1'600'000'020 * kSecond, 100 * kMs);
   const Trajectory estimate = sampled(0, 20 * kSecond, 100 * kMs);
   CHECK_THROWS_AS(associate_interpolated(estimate, reference, 100 * kMs, kSecond), DataError);
-  CHECK_THROWS_WITH(associate_interpolated(estimate, reference, 100 * kMs, kSecond),
-                    "estimate and reference have no time in common: the estimate is from 0.000 s to 20.000 s (201 "
-                    "poses), the reference from 1600000000.000 s to 1600000020.000 s (201 poses); the estimate begins "
-                    "-1600000000.000 s from the reference: is one of them in another clock (shift its stamps by this "
-                    "constant) or of another recording?");
+  CHECK_THROWS_WITH(
+      associate_interpolated(estimate, reference, 100 * kMs, kSecond),
+      "estimate and reference have no time in common: the estimate is from 0.000 s to 20.000 s (201 "
+      "poses), the reference from 1600000000.000 s to 1600000020.000 s (201 poses); the estimate begins "
+      "-1600000000.000 s from the reference: is one of them in another clock (shift its stamps by this constant, "
+      "`time_offset` of the reference) or of another recording?");
 }
 
 TEST_CASE("no time in common: a wrong unit of the stamps is named") {
   const Trajectory reference = sampled(100 * kSecond, 120 * kSecond, 100 * kMs);
   const Trajectory estimate = at_times({100'000 * kSecond, 110'000 * kSecond, 120'000 * kSecond});
-  CHECK_THROWS_WITH(associate_interpolated(estimate, reference, 100 * kMs, kSecond),
-                    Catch::EndsWith("the estimate lasts 1e+03 times longer: are its stamps in ms?"));
-  CHECK_THROWS_WITH(associate_interpolated(reference, estimate, 100 * kMs, kSecond),
-                    Catch::EndsWith("the reference lasts 1e+03 times longer: are its stamps in ms?"));
+  CHECK_THROWS_WITH(
+      associate_interpolated(estimate, reference, 100 * kMs, kSecond),
+      Catch::EndsWith("the estimate lasts 1e+03 times longer: are its stamps in ms (set its `time_unit`)?"));
+  CHECK_THROWS_WITH(
+      associate_interpolated(reference, estimate, 100 * kMs, kSecond),
+      Catch::EndsWith("the reference lasts 1e+03 times longer: are its stamps in ms (set its `time_unit`)?"));
 }
 
 TEST_CASE("a reference too sparse, or nothing at all, is refused") {

@@ -335,6 +335,15 @@ def inputs():
     yield "plugin", "text", b"not a shared object"
     yield "tum", "walk", tum(10, 20).encode()
     yield "tum", "exponents", b"# t x y z qx qy qz qw\n1.6e9 1 2 3 0 0 0 1\n1.600000001e+09 1 2 3.5 0 0 1e-3 1\n"
+    yield "reference", "tum", tum(10, 20).encode()
+    yield "reference", "euroc", (b"#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\r\n"
+                                 b"1600000000250000000,1,2,3,1,0,0,0\r\n1600000000350000000,4,5,6,0.6,0,0.8,0\r\n")
+    yield "reference", "newer_college", (b"\xef\xbb\xbf#sec,nsec,x,y,z,qx,qy,qz,qw\n1600000000,250000000,1,2,3,0,0,0,1\n"
+                                         b"1600000000,350000000,4,5,6,0,0,0,1\n")
+    yield "reference", "mulran", b"1600000000250000000,1,0,0,1,0,1,0,2,0,0,1,3\n1600000000350000000,1,0,0,4,0,1,0,5,0,0,1,6\n"
+    yield "reference", "kitti", b"1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 4 0 1 0 5 0 0 1 6\n"
+    yield "reference", "positions", b"% by hand\n1.6e9 744073.3 2553112.0 0.2\n1.600000001e+09 744074.3 2553112.0 0.2\n"
+    yield "reference", "digits", b"1.6e9 1 2 3\n1.6e9 2 2 3\n1.6e9 3 2 3\n"
     yield "csv", "results", (RESULTS + 'a,a,1,0,b,ok,"a ""quoted"", one",0.05,0.2,10\n').encode()
     yield "csv", "updates", updates(6).encode()
     yield "text", "hostile", HOSTILE.encode() + b"\xff\0|`*[]{}$%_^~\\\r\n"

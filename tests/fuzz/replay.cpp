@@ -11,7 +11,7 @@
 
 #define ASLIO_FUZZ_TARGETS(use)                                                                                      \
   use(bag) use(cloud) use(csv) use(imu) use(kitti) use(livox) use(outcomes) use(pipeline) use(plugin) use(recording) \
-      use(report) use(scene) use(sensor) use(study) use(text) use(tum)
+      use(reference) use(report) use(scene) use(sensor) use(study) use(text) use(tum)
 
 namespace aslio::fuzz {
 

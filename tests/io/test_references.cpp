@@ -67,19 +67,23 @@ std::string line_of_tum(int count, const std::string& quaternion, double x0 = 0)
 TEST_CASE("the formats of references are found from their content") {
   const Written w;
   check_two(w.read("1600000000.25 1 2 3 0 0 0.70710678 0.70710678\n1600000000.35 4 5 6 0 0 0 1\n"));
-  check_two(w.read("#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z "
-                   "[], v_RS_R_x [m s^-1]\n1600000000250000000,1,2,3,0.70710678,0,0,0.70710678,9\n"
-                   "1600000000350000000,4,5,6,1,0,0,0,9\n"));
-  check_two(w.read("#sec,nsec,x,y,z,qx,qy,qz,qw\n1600000000,250000000,1,2,3,0,0,0.70710678,0.70710678\n"
-                   "1600000000,350000000,4,5,6,0,0,0,1\n"));
+  check_two(
+      w.read("#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z "
+             "[], v_RS_R_x [m s^-1]\n1600000000250000000,1,2,3,0.70710678,0,0,0.70710678,9\n"
+             "1600000000350000000,4,5,6,1,0,0,0,9\n"));
+  check_two(
+      w.read("#sec,nsec,x,y,z,qx,qy,qz,qw\n1600000000,250000000,1,2,3,0,0,0.70710678,0.70710678\n"
+             "1600000000,350000000,4,5,6,0,0,0,1\n"));
   check_two(w.read("1600000000 250000000 1 2 3 0 0 0.70710678 0.70710678\n1600000000 350000000 4 5 6 0 0 0 1\n"));
-  check_two(w.read("num, t, x, y, z, qx, qy, qz, qw\n0,1600000000.25,1,2,3,0,0,0.70710678,0.70710678\n"
-                   "1,1600000000.35,4,5,6,0,0,0,1\n"));
+  check_two(
+      w.read("num, t, x, y, z, qx, qy, qz, qw\n0,1600000000.25,1,2,3,0,0,0.70710678,0.70710678\n"
+             "1,1600000000.35,4,5,6,0,0,0,1\n"));
   check_two(w.read("1600000000250000000,0,-1,0,1,1,0,0,2,0,0,1,3\n1600000000350000000,1,0,0,4,0,1,0,5,0,0,1,6\n"));
-  check_two(w.read("%time,field.header.seq,field.header.stamp,field.pose.position.x,field.pose.position.y,"
-                   "field.pose.position.z,field.pose.orientation.x,field.pose.orientation.y,field.pose.orientation.z,"
-                   "field.pose.orientation.w\n7,0,1600000000250000000,1,2,3,0,0,0.70710678,0.70710678\n"
-                   "8,1,1600000000350000000,4,5,6,0,0,0,1\n"));
+  check_two(
+      w.read("%time,field.header.seq,field.header.stamp,field.pose.position.x,field.pose.position.y,"
+             "field.pose.position.z,field.pose.orientation.x,field.pose.orientation.y,field.pose.orientation.z,"
+             "field.pose.orientation.w\n7,0,1600000000250000000,1,2,3,0,0,0.70710678,0.70710678\n"
+             "8,1,1600000000350000000,4,5,6,0,0,0,1\n"));
   check_two(w.read("1600000000.25 1 2 3\n1600000000.35 4 5 6\n"), false);
   check_two(w.read("1600000000250000000,1,2,3\n1600000000350000000,4,5,6\n"), false);
   check_two(w.read("t;x;y;z\n1600000000.25;1;2;3\n1600000000.35;4;5;6\n"), false);
@@ -114,7 +118,8 @@ TEST_CASE("columns are listed by their place or by their name") {
   CHECK_THAT(w.wrong_key(rows, with({"x", "x", "y", "z"})), Catch::Contains("columns: 'x' is listed twice"));
   CHECK_THAT(w.wrong_key(rows, with({"x", "y", "z", "sec"})), Catch::Contains("columns: nsec is missing"));
   CHECK_THAT(w.wrong_key(rows, with({"t", "x", "y", "z", "qx"})), Catch::Contains("columns: qy, qz, qw is missing"));
-  CHECK_THAT(w.refusal("1 2 3 4 5 6\n"), Catch::Contains("truth.txt:1: 6 columns tell no pose; list them in `columns`"));
+  CHECK_THAT(w.refusal("1 2 3 4 5 6\n"),
+             Catch::Contains("truth.txt:1: 6 columns tell no pose; list them in `columns`"));
 }
 
 TEST_CASE("any unit of time is read, exact to the nanosecond") {
@@ -128,6 +133,7 @@ TEST_CASE("any unit of time is read, exact to the nanosecond") {
   CHECK(contains(w.read("1600000000250 1 2 3\n").notes, "stamps are in ms (by their size)"));
   CHECK(w.read("time_us,x,y,z\n100000,1,2,3\n200000,4,5,6\n").poses[1].t == kSecond / 5);
   CHECK(w.read("0 1 2 3\n100000000 4 5 6\n").poses[1].t == kSecond / 10);
+  CHECK(w.read("1000000000 1 2 3\n1100000000 4 5 6\n").poses[1].t == 11 * kSecond / 10);
   CHECK_THAT(w.refusal("0 1 2 3\n100 4 5 6\n"),
              Catch::Contains("the stamps (0, 100, ..) tell no unit; set `time_unit` to s, ms, us or ns"));
   ReferenceSpec spec;
@@ -142,13 +148,17 @@ TEST_CASE("any unit of time is read, exact to the nanosecond") {
 
 TEST_CASE("byte order mark, CR LF, comments of any kind and empty lines are passed over") {
   const Written w;
-  check_two(w.read("\xef\xbb\xbf# timestamp tx ty tz qx qy qz qw\r\n// by hand\r\n% and so on\r\n\r\n"
-                   "1600000000.25 1 2 3 0 0 0.70710678 0.70710678\r\n#\r\n1600000000.35 4 5 6 0 0 0 1\r\n"));
-  check_two(w.read("\xef\xbb\xbf" "1600000000.25, 1, 2, 3\r\n# half\r\n1600000000.35, 4, 5, 6,\r\n"), false);
+  check_two(
+      w.read("\xef\xbb\xbf# timestamp tx ty tz qx qy qz qw\r\n// by hand\r\n% and so on\r\n\r\n"
+             "1600000000.25 1 2 3 0 0 0.70710678 0.70710678\r\n#\r\n1600000000.35 4 5 6 0 0 0 1\r\n"));
+  check_two(w.read("\xef\xbb\xbf"
+                   "1600000000.25, 1, 2, 3\r\n# half\r\n1600000000.35, 4, 5, 6,\r\n"),
+            false);
   check_two(w.read("1600000000.25\t1\t2\t3\n1600000000.35   4 5 6  "), false);
   CHECK_THAT(w.refusal("1600000000.25 1 2 3\n\n# c\n1600000000.35 4 x 6\n"),
              Catch::Contains("truth.txt:4: not a finite number; leave the row out: 'x'"));
-  CHECK_THAT(w.refusal("1600000000.25 1 2 3\n1600000000.35 4 5\n"), Catch::Contains("truth.txt:2: 3 columns, where there are 4"));
+  CHECK_THAT(w.refusal("1600000000.25 1 2 3\n1600000000.35 4 5\n"),
+             Catch::Contains("truth.txt:2: 3 columns, where there are 4"));
   CHECK_THAT(w.refusal("# nothing\n"), Catch::Contains("holds no pose: is it the right file?"));
 }
 
@@ -163,8 +173,9 @@ TEST_CASE("poses that are not in order are sorted, copies are left out, and both
   CHECK(once.warnings.empty());
   std::string text = line_of_tum(200, "0 0 0.1 0.995");
   text += "1600000019.9 7 7 7 0 0 0 1\n";
-  CHECK(contains(w.read(text).warnings, "1 poses have the stamp of the one before them and are others, the first in "
-                                        "line 201: left out"));
+  CHECK(contains(w.read(text).warnings,
+                 "1 poses have the stamp of the one before them and are others, the first in "
+                 "line 201: left out"));
 }
 
 TEST_CASE("stamps of too few digits are named") {
@@ -198,7 +209,8 @@ TEST_CASE("a reference without orientation tells positions only") {
   ReferenceSpec spec;
   spec.positions_only = PositionsOnly::no;
   CHECK_FALSE(w.read(line_of_tum(9, "0 0 0 1"), spec).positions_only);
-  CHECK_THAT(w.wrong_key("1600000000.25 1 2 3\n", spec), Catch::Contains("leave `positions_only: no` out"));
+  CHECK_THAT(w.wrong_key("1600000000.25 1 2 3\n", spec),
+             Catch::Contains("has no orientation, which `positions_only: no` asks for"));
   CHECK_THAT(w.refusal("1600000000.25 1 2 3 0 0 0 1\n1600000000.35 4 5 6 0 0 0 0\n"),
              Catch::Contains("truth.txt:2: a quaternion 0 0 0 0, as have 1 of 2 rows"));
   spec.positions_only = PositionsOnly::yes;
@@ -214,8 +226,10 @@ TEST_CASE("poses of KITTI have their stamps in a file of their own") {
   CHECK_THAT(w.wrong_key(poses, spec), Catch::Contains("poses without stamps; name the file of the stamps in `times`"));
   spec.times = (w.folder / "times.txt").string();
   check_two(w.read(poses, spec));
-  CHECK_THAT(w.refusal(poses + "1 0 0 4 0 1 0 5 0 0 1 6\n", spec), Catch::Contains("has 3 poses") && Catch::Contains("has 2 stamps"));
-  CHECK_THAT(w.refusal("0 1 0 1 1 0 0 2 0 0 1 3\n", spec), Catch::Contains("truth.txt:1: the 9 numbers are no rotation"));
+  CHECK_THAT(w.refusal(poses + "1 0 0 4 0 1 0 5 0 0 1 6\n", spec),
+             Catch::Contains("has 3 poses") && Catch::Contains("has 2 stamps"));
+  CHECK_THAT(w.refusal("0 1 0 1 1 0 0 2 0 0 1 3\n", spec),
+             Catch::Contains("truth.txt:1: the 9 numbers are no rotation"));
 }
 
 TEST_CASE("offset and spacing change the stamps and are told") {

@@ -9,6 +9,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/study.hpp"
+#include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "aslio/simulator/scene.hpp"
@@ -84,9 +85,10 @@ struct File {
   std::string_view kind;
   std::vector<Part> (*parts)();
 };
-constexpr std::array<File, 5> kFiles = {{{"pipeline", parts_of<pipeline::PipelineConfig>},
+constexpr std::array<File, 6> kFiles = {{{"pipeline", parts_of<pipeline::PipelineConfig>},
                                          {"sensor", parts_of<io::SensorConfig>},
                                          {"dataset", parts_of<experiment::DatasetConfig>},
+                                         {"reference", parts_of<io::ReferenceSpec>},
                                          {"scene", scene_parts},
                                          {"study", parts_of<experiment::StudyConfig>}}};
 
@@ -126,7 +128,7 @@ int describe(const DescribeArguments& a) {
   if (a.markdown || slash == std::string::npos) {
     throw ConfigError(
         fmt::format("'{}' is unknown: name a stage as FAMILY/TYPE (windows/fixed; `aslio list` shows all), a family, a "
-                    "file ('pipeline', 'sensor', 'dataset', 'scene' or 'study'), or --markdown for all stages",
+                    "file ('pipeline', 'sensor', 'dataset', 'reference', 'scene' or 'study'), or --markdown for all stages",
                     a.what));
   }
   print(config::describe_stage(stages.catalog, a.what.substr(0, slash), a.what.substr(slash + 1)));
@@ -140,7 +142,7 @@ Command add_describe(CLI::App& root) {
       "describe", "Prints the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
   auto arguments = std::make_shared<DescribeArguments>();
   app->add_option("FAMILY/TYPE", arguments->what,
-                  "the stage, a family of stages, or the file: pipeline, sensor, dataset, scene, study");
+                  "the stage, a family of stages, or the file: pipeline, sensor, dataset, reference, scene, study");
   app->add_flag("--markdown", arguments->markdown, "as Markdown: the keys of a file, or of all stages");
   add_plugin_option(*app, arguments->plugins);
   app->footer("Example:\n  aslio describe windows/sod_adaptive\n  aslio describe scene");

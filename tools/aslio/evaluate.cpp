@@ -3,19 +3,23 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "aslio/config/load.hpp"
+#include "aslio/core/errors.hpp"
 #include "aslio/evaluation/report.hpp"
-#include "aslio/experiment/measure.hpp"
-#include "aslio/io/writers.hpp"
+#include "aslio/experiment/truth.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "options.hpp"
+#include "reference_options.hpp"
+#include "stages.hpp"
 
 namespace aslio::cli {
 
 namespace {
 
 struct EvaluateArguments {
-  std::string estimate, reference, alignment = "se3";
+  std::string estimate, reference, sensor, alignment = "se3";
+  std::vector<std::string> estimate_sets, reference_sets;
   bool json = false, evo = false;
 };
 
@@ -24,12 +28,28 @@ evaluation::Alignment alignment_of(const std::string& name) {
   return name == "yaw" ? evaluation::Alignment::yaw : evaluation::Alignment::se3;
 }
 
+/// Poses of the IMU; the keys of a reference say what they are written as, and of which frame.
+std::vector<StampedPose> estimated_poses(const EvaluateArguments& a, const io::SensorConfig& sensor) {
+  io::ReferenceSpec spec = io::load_reference_spec(a.estimate, a.estimate_sets);
+  if (spec.positions_only == io::PositionsOnly::automatic) spec.positions_only = io::PositionsOnly::no;
+  const experiment::Truth estimate = experiment::load_truth(spec, &sensor);
+  for (const std::string& warning : estimate.warnings) tell("warning: " + warning);
+  std::vector<StampedPose> poses(estimate.trajectory.samples().begin(), estimate.trajectory.samples().end());
+  for (StampedPose& pose : poses) pose.T.p += estimate.origin;
+  return poses;
+}
+
 int evaluate(const EvaluateArguments& a) {
-  const Trajectory estimate(io::read_tum(a.estimate)), reference(io::read_tum(a.reference));
-  const auto rule = a.evo ? evaluation::Rule::evo : evaluation::Rule::interpolated;
-  auto options = experiment::measuring_options(reference, rule);
+  io::SensorConfig sensor;
+  if (!a.sensor.empty()) {
+    sensor = config::load<io::SensorConfig>(a.sensor, config::FileKind::sensor, load_stages({}).catalog).value;
+  }
+  const auto estimate = estimated_poses(a, sensor);
+  const auto truth = experiment::load_truth(io::load_reference_spec(a.reference, a.reference_sets), &sensor);
+  evaluation::Options options = truth.options();
+  if (a.evo) options.rule = evaluation::Rule::evo;
   options.alignment = alignment_of(a.alignment);
-  const auto result = evaluation::evaluate(estimate, reference, options);
+  const auto result = experiment::evaluate_against(truth, estimate, options);
   print(a.json ? evaluation::to_json(result).dump(2) + "\n" : evaluation::to_text(result));
   return kSuccess;
 }
@@ -39,9 +59,14 @@ int evaluate(const EvaluateArguments& a) {
 Command add_evaluate(CLI::App& root) {
   CLI::App* app = root.add_subcommand("evaluate", "Measures a trajectory against a reference.");
   auto arguments = std::make_shared<EvaluateArguments>();
-  app->add_option("ESTIMATE", arguments->estimate, "trajectory (TUM)")->required()->check(CLI::ExistingFile);
-  app->add_option("--reference", arguments->reference, "reference trajectory (TUM)")
+  app->add_option("ESTIMATE", arguments->estimate, "trajectory, in any format of a reference")
       ->required()
+      ->check(CLI::ExistingPath);
+  add_reference_options(*app, arguments->reference, arguments->reference_sets)->required();
+  app->add_option("--estimate-set", arguments->estimate_sets, "key=value of the estimate, as of --reference-set")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app->add_option("--sensor", arguments->sensor, "sensor file whose transforms `frame` names")
       ->check(CLI::ExistingFile);
   app->add_option("--alignment", arguments->alignment,
                   "of the estimate's world with the reference's: se3 (any rotation and translation), yaw (for a "
@@ -50,7 +75,9 @@ Command add_evaluate(CLI::App& root) {
       ->capture_default_str();
   app->add_flag("--json", arguments->json, "all figures as JSON");
   app->add_flag("--evo", arguments->evo, "nearest stamps and equal weights, as evo does");
-  app->footer("Example:\n  aslio evaluate out/corridor/trajectory.tum --reference truth.tum --json");
+  app->footer(
+      "Example:\n  aslio evaluate out/corridor/trajectory.tum --reference truth.tum --json\n"
+      "  aslio evaluate out/eee_01/trajectory.tum --reference eee_01.bag --reference-set protocol=ntu_viral");
   return {app, [=] { return evaluate(*arguments); }};
 }
 

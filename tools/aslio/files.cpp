@@ -11,6 +11,7 @@
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/study.hpp"
+#include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "aslio/plugin/registry.hpp"
@@ -48,6 +49,8 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
       return {kind, config::load<io::SensorConfig>(file, kind, stages).resolved};
     case config::FileKind::dataset:
       return {kind, experiment::load_dataset(file).resolved};
+    case config::FileKind::reference:
+      return {kind, io::resolved_text(io::load_reference_spec(file))};
     case config::FileKind::scene:
       require_scene_files(file, {});
       return {kind, simulator::load_scene(file).resolved};

@@ -38,8 +38,8 @@ experiment::OverlapSeriesOptions options_of(const OverlapArguments& a, const Rec
   options.sensor = recording.sensor;
   options.section = recording.section;
   if (recording.reference) options.trajectory = *recording.reference;
-  if (!a.trajectory.empty()) options.trajectory = a.trajectory;
-  if (options.trajectory.empty()) {
+  if (!a.trajectory.empty()) options.trajectory = io::load_reference_spec(a.trajectory);
+  if (options.trajectory.file.empty()) {
     throw ConfigError("the poses of the frames are missing: give --trajectory, or a dataset with a reference");
   }
   options.period = a.period;
@@ -79,7 +79,7 @@ std::string report(const OverlapArguments& a, const experiment::OverlapSeriesEnd
 
 void refuse_to_overwrite(const experiment::OverlapSeriesOptions& options, const std::filesystem::path& dataset,
                          const std::string& output) {
-  std::vector<std::filesystem::path> read{options.pipeline, options.sensor, options.trajectory, dataset};
+  std::vector<std::filesystem::path> read{options.pipeline, options.sensor, options.trajectory.file, dataset};
   read.insert(read.end(), options.inputs.begin(), options.inputs.end());
   for (const auto& input : read) {
     std::error_code none;

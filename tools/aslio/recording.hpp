@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 
 namespace aslio::cli {
@@ -20,7 +21,8 @@ struct RecordingArguments {
 struct Recording {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path sensor;
-  std::optional<std::filesystem::path> dataset, reference;
+  std::optional<std::filesystem::path> dataset;
+  std::optional<io::ReferenceSpec> reference;
   io::Section section;
   bool closed_loop = false;  ///< only where a dataset or --closed-loop says so
 };

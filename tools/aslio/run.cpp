@@ -15,6 +15,7 @@
 #include "options.hpp"
 #include "progress.hpp"
 #include "recording.hpp"
+#include "reference_options.hpp"
 #include "stages.hpp"
 
 namespace aslio::cli {
@@ -24,7 +25,7 @@ namespace {
 struct RunArguments {
   std::string pipeline, output, reference, save_map;
   RecordingArguments recording;
-  std::vector<std::string> overrides, plugins;
+  std::vector<std::string> overrides, reference_sets, plugins;
   int threads = 1;
   std::uint64_t seed = 0;
   bool closed_loop = false, dense = false, stop_when_diverged = false, quiet = false;
@@ -61,6 +62,11 @@ std::string length_text(double metres) {
   return fmt::format("{:.{}f} {}", unit.scale * metres, unit.scale > 1 ? 1 : 3, unit.name);
 }
 
+/// A reference of positions only tells none.
+std::string rotation_text(const evaluation::Statistics& rotation) {
+  return rotation.n > 0 ? fmt::format("{:.3f} deg", rotation.rmse) : "no rotation";
+}
+
 std::string report(const experiment::Summary& s, const std::string& output) {
   std::string text = fmt::format("status       {}", pipeline::name(s.status));
   const auto out = std::back_inserter(text);
@@ -81,12 +87,16 @@ std::string report(const experiment::Summary& s, const std::string& output) {
   fmt::format_to(out, "path         {:.2f} m", s.path_length_m);
   if (s.end_to_end_m) fmt::format_to(out, ", end to end {}", length_text(*s.end_to_end_m));
   if (s.evaluation) {
-    fmt::format_to(out, "\naccuracy     ATE {}, {:.3f} deg; {:.1f} % of the poses matched",
-                   length_text(s.evaluation->ate.translation.rmse), s.evaluation->ate.rotation.rmse,
+    fmt::format_to(out, "\naccuracy     ATE {}, {}; {:.1f} % of the poses matched",
+                   length_text(s.evaluation->ate.translation.rmse), rotation_text(s.evaluation->ate.rotation),
                    100 * s.evaluation->matched_share);
     if (const auto rpe = experiment::headline_rpe(*s.evaluation)) {
       fmt::format_to(out, "; RPE {} over {:g} m", length_text(rpe->rmse_m), rpe->distance_m);
     }
+    if (s.evaluation->score) fmt::format_to(out, "; score {:.2f} of 100", *s.evaluation->score);
+    for (const std::string& note : s.evaluation->notes) fmt::format_to(out, "\nreference    {}", note);
+    for (const std::string& warning : s.evaluation->warnings)
+      fmt::format_to(out, "\nreference    warning: {}", warning);
   }
   if (const std::string learnt = s.calibration ? to_text(*s.calibration) : ""; !learnt.empty()) {
     fmt::format_to(out, "\ncalibration  {}", learnt);
@@ -108,7 +118,14 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
   options.reference = recording.reference;
   options.section = recording.section;
   options.closed_loop = recording.closed_loop || a.closed_loop;
-  if (!a.reference.empty()) options.reference = a.reference;
+  if (!a.reference.empty()) {
+    options.reference = io::load_reference_spec(a.reference, a.reference_sets);
+  } else if (options.reference) {
+    options.reference = io::with_overrides(*options.reference, a.reference_sets);
+  } else if (!a.reference_sets.empty()) {
+    throw ConfigError(
+        "--reference-set changes a reference, and there is none: give --reference, or a dataset with one");
+  }
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;
   options.output = a.output;
@@ -144,7 +161,7 @@ int run_pipeline(const RunArguments& a, const CLI::App& app, const std::vector<s
   }
   // Of a run that came to nothing the first error is reason enough.
   if (!summary.evaluation_error.empty() && (ended_well || summary.accepted > 0)) {
-    complain(fmt::format("--reference {}: {}", options.reference->string(), summary.evaluation_error));
+    complain(fmt::format("--reference {}: {}", options.reference->file, summary.evaluation_error));
   }
   if (!a.quiet) print(report(result.summary, a.output));
   return code;
@@ -162,8 +179,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--threads", a.threads, "threads; the results are the same for any number")
       ->check(whole_number(1, 256))
       ->capture_default_str();
-  app.add_option("--reference", a.reference, "reference trajectory (TUM) to measure the error against")
-      ->check(CLI::ExistingFile);
+  add_reference_options(app, a.reference, a.reference_sets);
   app.add_flag(
       "--closed-loop", a.closed_loop,
       "the motion ends in the pose in which it begins: measures the end-to-end error, as `closed_loop: true` of "

@@ -114,6 +114,7 @@ Json to_json(const Evaluation& e) {
   json["time_offset"] = e.time_offset
                             ? Json{{"seconds", e.time_offset->seconds}, {"position_m", e.time_offset->rmse_after}}
                             : Json(nullptr);
+  json["notes"] = e.notes;
   json["warnings"] = e.warnings;
   return json;
 }
@@ -124,7 +125,9 @@ std::string to_text(const Evaluation& e) {
   fmt::format_to(out, "rule {}, alignment {}\n", name(e.options.rule), name(e.options.alignment));
   fmt::format_to(out, "matched {} of {} poses ({:.1f} %), covered {:.1f} % of the reference's duration\n", e.matched,
                  e.estimate_poses, 100.0 * e.matched_share, 100.0 * e.covered_share);
-  fmt::format_to(out, "path {:.2f} m, reference {:.2f} m\n\n", e.estimate_path, e.reference_path);
+  fmt::format_to(out, "path {:.2f} m, reference {:.2f} m\n", e.estimate_path, e.reference_path);
+  for (const std::string& note : e.notes) fmt::format_to(out, "reference: {}\n", note);
+  text += '\n';
   fmt::format_to(out, "{:<26}{:>6}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "absolute error", "n", "rmse", "mean",
                  "median", "std", "min", "max");
   add_row(text, "all", e.ate);

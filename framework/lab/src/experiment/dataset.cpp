@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "aslio/config/document.hpp"
 #include "aslio/config/load.hpp"
 #include "aslio/config/named_paths.hpp"
 #include "aslio/core/errors.hpp"
@@ -37,6 +38,23 @@ std::string default_name(const fs::path& file) {
   return folder.filename().string();
 }
 
+/// Whether the key holds a path in place of a block, or is left out.
+bool names_reference_as_text(const std::string& text, const std::string& source) {
+  const config::Node root = config::parse_document(text, source);
+  const config::Member* reference = root.is_map() ? root.find("reference") : nullptr;
+  return reference == nullptr || !reference->value.is_map();
+}
+
+/// What `config` names, its paths made those of the program.
+std::optional<io::ReferenceSpec> reference_of(const DatasetConfig& config, const config::NamedPaths& paths) {
+  if (config.reference.file.empty()) return std::nullopt;
+  if (config.reference_as_text) return io::load_reference_spec(paths.at(config.reference.file));
+  io::ReferenceSpec spec = config.reference;
+  spec.file = paths.at(spec.file).string();
+  if (!spec.times.empty()) spec.times = paths.at(spec.times).string();
+  return spec;
+}
+
 }  // namespace
 
 void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
@@ -45,7 +63,12 @@ void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
   b.text("input", dataset.input,
          "recording: a bag (.bag, .db3), a folder of its parts, or a KITTI raw drive; required");
   b.text("sensor", dataset.sensor, "sensor file that fits the input; required");
-  b.text("reference", dataset.reference, "reference trajectory (TUM, T_W_I); empty: none");
+  if (dataset.reference_as_text) {
+    b.text("reference", dataset.reference.file, "trajectory, table, recording or reference file; empty: none");
+  } else {
+    b.group("reference", dataset.reference,
+            "the truth; the path of a trajectory, table, recording or reference file may stand for the block");
+  }
   b.real("start", dataset.start, "s", {.min = 0.0, .max = kMaxSeconds}, "data to skip");
   b.optional_real("duration", dataset.duration, "s", {.above = 0.0, .max = kMaxSeconds}, "to the end", "data to use");
   b.flag("closed_loop", dataset.closed_loop,
@@ -61,21 +84,22 @@ Dataset load_dataset(const fs::path& path) {
   dataset.file = dataset_file(path);
   const config::NamedPaths paths(dataset.file.parent_path());
   DatasetConfig config;
-  dataset.resolved =
-      config::bind_text(config::read_text(dataset.file), dataset.file.string(), config::FileKind::dataset,
-                        plugin::Catalog(), {},
-                        [&](config::Binder& b) {
-                          DatasetConfig::describe(b, config);
-                          paths.require(b, "input", config.input, config::NamedPaths::Wanted::file_or_folder);
-                          paths.require(b, "sensor", config.sensor, config::NamedPaths::Wanted::file);
-                          paths.require(b, "reference", config.reference, config::NamedPaths::Wanted::file);
-                        })
-          .resolved;
+  const std::string text = config::read_text(dataset.file);
+  config.reference_as_text = names_reference_as_text(text, dataset.file.string());
+  using Wanted = config::NamedPaths::Wanted;
+  dataset.resolved = config::bind_text(text, dataset.file.string(), config::FileKind::dataset, plugin::Catalog(), {},
+                                       [&](config::Binder& b) {
+                                         DatasetConfig::describe(b, config);
+                                         paths.require(b, "input", config.input, Wanted::file_or_folder);
+                                         paths.require(b, "sensor", config.sensor, Wanted::file);
+                                         paths.require(b, "reference", config.reference.file, Wanted::file_or_folder);
+                                       })
+                         .resolved;
   dataset.name = config.name.empty() ? default_name(dataset.file) : config.name;
   dataset.description = config.description;
   dataset.input = paths.at(config.input);
   dataset.sensor = paths.at(config.sensor);
-  if (!config.reference.empty()) dataset.reference = paths.at(config.reference);
+  dataset.reference = reference_of(config, paths);
   dataset.section = {config.start, config.duration};
   dataset.closed_loop = config.closed_loop;
   return dataset;

@@ -90,9 +90,11 @@ std::string to_json(const Manifest& manifest, const RunOptions& options) {
   Json sensor = file(options.sensor, manifest.sensor_sha256);
   sensor["resolved"] = manifest.sensor_resolved;
   // Absolute: the report of a run, which is made from anywhere, draws its error.
-  const Json reference = options.reference
-                             ? file(std::filesystem::absolute(*options.reference), manifest.reference_sha256)
-                             : Json(nullptr);
+  Json reference = nullptr;
+  if (options.reference) {
+    reference = file(std::filesystem::absolute(options.reference->file), manifest.reference_sha256);
+    reference["resolved"] = manifest.reference_resolved;
+  }
   const Json out = {{"aslio", version()},
                     {"command_line", options.command_line},
                     {"pipeline", file(options.pipeline, manifest.pipeline_sha256)},

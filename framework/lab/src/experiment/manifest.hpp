@@ -15,6 +15,7 @@ std::array<double, 3> machine_load();
 
 struct Manifest {
   std::string input_sha256, pipeline_sha256, sensor_sha256;
+  std::string reference_resolved;   ///< the keys of that file, as resolved_text()
   std::string reference_sha256;     ///< of the file that measured the run; empty without one
   double input_hash_s = 0;          ///< wall-clock time it took; not part of the run's cpu_s
   std::string sensor_resolved;      ///< YAML

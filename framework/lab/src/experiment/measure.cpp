@@ -117,11 +117,16 @@ TimeNs reference_gap(const Trajectory& reference) {
 }  // namespace
 
 std::optional<double> failed_after(std::span<const StampedPose> poses, const Trajectory& reference,
-                                   std::optional<TimeNs> other) {
+                                   std::optional<TimeNs> other, bool positions_only) {
   if (reference.samples().size() < 2) return std::nullopt;
   const TimeNs max_gap = reference_gap(reference);
   const std::vector<double> path = travelled(reference);
   const auto share = [&](TimeNs t) { return path.back() > 0 ? path_at(reference, path, t) / path.back() : 0.0; };
+  if (positions_only) {
+    const auto found = find_divergence(poses, reference);
+    const TimeNs at = std::min(found ? found->first : kTimeMax, other.value_or(kTimeMax));
+    return found || other ? std::optional(share(at)) : std::nullopt;
+  }
   const auto laid = laid_on(poses, reference, max_gap);
   if (!laid) return other ? std::optional(share(*other)) : std::optional(0.0);
   for (const StampedPose& estimate : poses) {
@@ -133,14 +138,23 @@ std::optional<double> failed_after(std::span<const StampedPose> poses, const Tra
   return other ? std::optional(share(*other)) : std::nullopt;
 }
 
-DivergenceWatch::DivergenceWatch(const Trajectory& reference)
-    : reference_(reference), max_gap_(reference_gap(reference)), path_(travelled(reference)) {}
+DivergenceWatch::DivergenceWatch(const Trajectory& reference, bool positions_only)
+    : reference_(reference),
+      positions_only_(positions_only),
+      max_gap_(reference_gap(reference)),
+      path_(travelled(reference)) {}
 
 std::optional<std::pair<TimeNs, std::string>> DivergenceWatch::look(std::span<const StampedPose> poses) {
   if (poses.size() == looked_) return std::nullopt;
   looked_ = poses.size();
   if (reference_.samples().size() < 2) return std::nullopt;
   const TimeNs now = poses.back().t;
+  if (positions_only_) {
+    if (now < next_) return std::nullopt;
+    next_ = now + kSecond;
+    const auto found = find_divergence(poses, reference_);
+    return found && now > found->first + kMaxSilence ? found : std::nullopt;
+  }
   if (!laid_) {
     for (; seen_ < poses.size() && !first_; ++seen_) {
       if (reference_.pose(poses[seen_].t, max_gap_)) first_ = poses[seen_].t;

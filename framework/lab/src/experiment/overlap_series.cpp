@@ -12,6 +12,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/thrown.hpp"
 #include "aslio/experiment/measure.hpp"
+#include "aslio/experiment/truth.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "monitoring.hpp"
@@ -145,12 +146,18 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   const auto sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
   exec::Executor executor(1);
   const auto metric = pipeline.value.overlap.make({executor, sensor.value.model, nullptr});
-  Trajectory path(io::read_tum(options.trajectory));
+  Truth truth = load_truth(options.trajectory, &sensor.value);
+  if (truth.positions_only) {
+    throw ConfigError(
+        fmt::format("{}: it has positions only, and frames are placed by poses: name another trajectory, or "
+                    "set `positions_only: no` if its orientation is meant",
+                    options.trajectory.file));
+  }
   const auto source = io::open_source(options.inputs, sensor.value, options.section);
   const std::vector<std::string> told = source->notes().warnings;
   monitor.on_start(source->notes());
   ProgressFeed feed(monitor, *source);
-  Scorer scorer(options, std::move(path), *metric, sensor.value.model, take, feed);
+  Scorer scorer(options, std::move(truth.trajectory), *metric, sensor.value.model, take, feed);
   std::optional<std::string> failure;
   bool bad_data = false, interrupted = false;
   try {
@@ -178,7 +185,7 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   if (end.scored == 0 && !end.failure && !end.interrupted) {
     end.bad_data = true;
     end.failure = fmt::format("{}: has no pose for any point of {}: name a trajectory of the same recording",
-                              options.trajectory.string(), options.inputs.front().string());
+                              options.trajectory.file, options.inputs.front().string());
   }
   return end;
 }

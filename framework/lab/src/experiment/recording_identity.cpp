@@ -34,10 +34,22 @@ std::string input_identity(const fs::path& path) {
 
 }  // namespace
 
+bool is_small(const fs::path& path) {
+  constexpr std::uintmax_t kSmall = 256U << 20U;
+  std::error_code error;
+  return fs::is_regular_file(path, error) && fs::file_size(path, error) < kSmall;
+}
+
 std::string recording_identity(const Dataset& dataset) {
   std::string text = fmt::format("recording\n{}\n{}\n{}\n", dataset.resolved, input_identity(dataset.input),
                                  sha256_of_file(dataset.sensor));
-  if (dataset.reference) text += sha256_of_file(*dataset.reference);
+  if (dataset.reference) {
+    const io::ReferenceSpec& reference = *dataset.reference;
+    text += is_small(reference.file) ? sha256_of_file(reference.file) : input_identity(reference.file);
+    // A plain path leaves all keys as they are, and the identity as it was before there were any.
+    const std::string keys = io::resolved_text(reference);
+    if (keys != io::resolved_text(io::ReferenceSpec(std::filesystem::path(reference.file)))) text += "\n" + keys;
+  }
   return sha256_of(text);
 }
 

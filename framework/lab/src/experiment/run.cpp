@@ -17,6 +17,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/thrown.hpp"
 #include "aslio/experiment/measure.hpp"
+#include "aslio/experiment/truth.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/stage_set.hpp"
 #include "manifest.hpp"
@@ -56,7 +57,7 @@ double peak_rss_mb() {
 struct Prepared {
   config::Loaded<pipeline::PipelineConfig> pipeline;
   config::Loaded<io::SensorConfig> sensor;
-  std::optional<Trajectory> reference;
+  std::optional<Truth> reference;
 };
 
 Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
@@ -67,7 +68,7 @@ Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
   prepared.pipeline =
       config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog, overrides);
   prepared.sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
-  if (options.reference) prepared.reference.emplace(io::read_tum(*options.reference));
+  if (options.reference) prepared.reference.emplace(load_truth(*options.reference, &prepared.sensor.value));
   return prepared;
 }
 
@@ -83,7 +84,8 @@ Manifest identify(const RunOptions& options, const Prepared& prepared) {
   manifest.program_sha256 = io::input_digest("/proc/self/exe");
   manifest.pipeline_sha256 = io::input_digest(options.pipeline);
   manifest.sensor_sha256 = io::input_digest(options.sensor);
-  if (options.reference) manifest.reference_sha256 = io::input_digest(*options.reference);
+  if (options.reference) manifest.reference_sha256 = io::input_digest(options.reference->file);
+  if (prepared.reference) manifest.reference_resolved = io::resolved_text(prepared.reference->spec);
   manifest.sensor_resolved = prepared.sensor.resolved;
   manifest.stages = prepared.pipeline.plugin_types;
   const auto start = Clock::now();
@@ -131,14 +133,15 @@ class Runner {
   /// `watched`: the reference by which a run ends that has diverged from it, or nullptr. `keeps_poses`: of the whole
   /// run.
   Runner(io::MeasurementSource& source, pipeline::Odometry& odometry, RunOutputs& outputs, RunMonitor& monitor,
-         const Trajectory* watched, bool keeps_poses)
+         const Truth* watched, bool keeps_poses)
       : source_(source),
         odometry_(odometry),
         outputs_(outputs),
         monitor_(monitor),
         collector_(keeps_poses),
         feed_(monitor, source) {
-    if (watched != nullptr) watch_.emplace(*watched);
+    if (watched != nullptr) watch_.emplace(watched->trajectory, watched->positions_only);
+    watched_ = watched;
     odometry_.add_observer(outputs_);
     odometry_.add_observer(collector_);
     odometry_.add_observer(feed_);
@@ -203,7 +206,11 @@ class Runner {
   /// What ends the run when it has diverged from its reference.
   std::optional<std::pair<TimeNs, std::string>> watch() {
     if (!watch_) return std::nullopt;
-    auto found = watch_->look(collector_.poses());
+    const auto& poses = collector_.poses();
+    for (const StampedPose& pose : watched_->comparable(std::span(poses).subspan(compared_.size()))) {
+      compared_.push_back(pose);
+    }
+    auto found = watch_->look(compared_);
     was_ended_ = found.has_value();
     if (found) found->second += "; the run was ended there";
     return found;
@@ -215,6 +222,8 @@ class Runner {
   RunMonitor& monitor_;
   SummaryCollector collector_;
   ProgressFeed feed_;
+  const Truth* watched_ = nullptr;
+  std::vector<StampedPose> compared_;  ///< the poses so far, as the reference is to be compared with
   std::optional<DivergenceWatch> watch_;
   bool bad_data_ = false, stage_failed_ = false, was_ended_ = false;
 };
@@ -259,10 +268,9 @@ void gather_noise(Summary& summary, const pipeline::RangeNoise& noise, const Sen
 }
 
 /// A run is worth keeping although its reference turns out not to fit.
-void measure(Summary& summary, const std::vector<StampedPose>& poses, const Trajectory& reference) {
+void measure(Summary& summary, const std::vector<StampedPose>& poses, const Truth& reference) {
   try {
-    const auto options = measuring_options(reference, evaluation::Rule::interpolated);
-    summary.evaluation = evaluation::evaluate(Trajectory(poses), reference, options);
+    summary.evaluation = evaluate_against(reference, poses, reference.options());
   } catch (const std::exception& error) {
     summary.evaluation_error = error.what();
   }
@@ -275,8 +283,9 @@ std::optional<TimeNs> last_arrived(const stream::MeasurementStream& stream) {
 
 /// Pre: the run has been judged.
 /// `data_end`: a run is not silent after it, though the reference goes on. `was_ended`: by a DivergenceWatch.
-void mark_failure(Summary& summary, const SummaryCollector& collector, const Trajectory& reference,
+void mark_failure(Summary& summary, const SummaryCollector& collector, const Truth& truth,
                   std::optional<TimeNs> data_end, bool was_ended) {
+  const Trajectory& reference = truth.trajectory;
   if (reference.samples().empty()) return;
   const auto& poses = collector.poses();
   const TimeNs end = std::min(reference.samples().back().t, data_end.value_or(kTimeMax));
@@ -288,7 +297,7 @@ void mark_failure(Summary& summary, const SummaryCollector& collector, const Tra
     const TimeNs end_of_good = summary.losses.empty() ? kTimeMax : summary.losses.front().t;
     other = std::min({other.value_or(kTimeMax), poses.back().t, end_of_good});
   }
-  summary.failed_at = failed_after(poses, reference, other);
+  summary.failed_at = failed_after(truth.comparable(poses), reference, other, truth.positions_only);
 }
 
 /// The summary last: where it is, all is. Where the others cannot be written they make room for one that says so, and
@@ -337,7 +346,7 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   Summary& summary = result.summary;
   const auto start = Clock::now();
   const double cpu_start = process_cpu_seconds();
-  const Trajectory* watched = options.stop_when_diverged && prepared.reference ? &*prepared.reference : nullptr;
+  const Truth* watched = options.stop_when_diverged && prepared.reference ? &*prepared.reference : nullptr;
   Runner runner(*source, odometry, *outputs, monitor, watched, prepared.reference.has_value());
   RunOutcome outcome = runner.run();
   const bool whole = !outcome.interrupted && !outcome.failure && !outcome.divergence;
@@ -353,7 +362,8 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   summary.peak_rss_mb = peak_rss_mb();
   if (prepared.reference) {
     measure(summary, runner.collector().poses(), *prepared.reference);
-    const auto found = find_divergence(runner.collector().poses(), *prepared.reference);
+    const auto found =
+        find_divergence(prepared.reference->comparable(runner.collector().poses()), prepared.reference->trajectory);
     if (found && (!outcome.divergence || found->first < outcome.divergence->first)) outcome.divergence = found;
   }
   judge(summary, outcome);

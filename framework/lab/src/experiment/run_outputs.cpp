@@ -166,7 +166,7 @@ void refuse_to_overwrite_inputs(const RunOptions& options) {
   std::vector<std::pair<std::string_view, std::filesystem::path>> inputs = {
       {"the pipeline", options.pipeline}, {"--input", options.input}, {"--sensor", options.sensor}};
   for (const auto& more : options.more_inputs) inputs.emplace_back("--input", more);
-  if (options.reference) inputs.emplace_back("--reference", *options.reference);
+  if (options.reference) inputs.emplace_back("--reference", options.reference->file);
   if (options.dataset) inputs.emplace_back("--dataset", *options.dataset);
   for (const PluginFile& plugin : options.plugins) inputs.emplace_back("--plugin", plugin.path);
   std::vector<std::pair<std::string_view, std::filesystem::path>> outputs;

@@ -172,7 +172,9 @@ class Reader {
       data.name = data.sequence = config.name.empty() ? dataset.name : config.name;
       data.dataset = dataset.file;
       data.texts = {dataset.file, dataset.sensor};
-      if (dataset.reference) data.texts.push_back(*dataset.reference);
+      if (dataset.reference && is_small(dataset.reference->file)) {
+        data.texts.emplace_back(dataset.reference->file);
+      }
       for (const fs::path& file : data.texts) study_.sources.emplace(file, sha256_of_file(file));
       data.identity = recording_identity(dataset);
       require_one_scene(data.sequence, "recording", index);

@@ -167,7 +167,7 @@ Json metrics(const Summary& s) {
   Json out = {{"ate_m", nullptr}, {"ate_deg", nullptr}, {"rpe", nullptr}, {"rpe_distance_m", nullptr}};
   if (s.evaluation) {
     out["ate_m"] = s.evaluation->ate.translation.rmse;
-    out["ate_deg"] = s.evaluation->ate.rotation.rmse;
+    if (s.evaluation->ate.rotation.n > 0) out["ate_deg"] = s.evaluation->ate.rotation.rmse;
     if (const auto rpe = headline_rpe(*s.evaluation)) {
       out["rpe"] = rpe->rmse_m;
       out["rpe_distance_m"] = rpe->distance_m;

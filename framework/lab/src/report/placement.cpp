@@ -32,13 +32,15 @@ std::optional<Placed> place(const FolderRun& run, const DataTruth& truth) {
     out.poses = io::read_tum(file);
     if (!truth.truth) return out;
     const auto options = experiment::measuring_options(*truth.truth, evaluation::Rule::interpolated);
-    out.T_truth_run = alignment_of(Trajectory(out.poses), *truth.truth, options);
+    std::vector<StampedPose> compared = out.poses;
+    for (StampedPose& pose : compared) pose.T.p += pose.T.R * truth.point;
+    out.T_truth_run = alignment_of(Trajectory(compared), *truth.truth, options);
     out.aligned = true;
     const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-    for (StampedPose& pose : out.poses) {
-      pose.T = out.T_truth_run * pose.T;
-      const auto at = truth.truth->pose(pose.t, to_ns(options.max_reference_gap));
-      out.errors.push_back(at ? Vec3(pose.T.p - at->p) : unknown);
+    for (std::size_t i = 0; i < out.poses.size(); ++i) {
+      out.poses[i].T = out.T_truth_run * out.poses[i].T;
+      const auto at = truth.truth->pose(compared[i].t, to_ns(options.max_reference_gap));
+      out.errors.push_back(at ? Vec3(out.T_truth_run * compared[i].T.p - at->p) : unknown);
     }
   } catch (const DataError& error) {
     if (out.poses.empty()) out.unreadable = error.what();

@@ -14,6 +14,7 @@
 #include "aslio/evaluation/evaluation.hpp"
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/measure.hpp"
+#include "aslio/experiment/truth.hpp"
 #include "aslio/io/json.hpp"
 #include "aslio/io/markup.hpp"
 #include "aslio/io/writers.hpp"
@@ -233,22 +234,29 @@ std::string within_run(std::string text, const FolderRun& run) {
   return text;
 }
 
-/// The file that measured a run, by its manifest; empty where none is named.
-fs::path reference_of(const fs::path& run) {
+/// The reference that measured a run, by its manifest; none where none is named.
+std::optional<io::ReferenceSpec> reference_of(const fs::path& run) {
   std::error_code ignored;
   const auto read = io::parse_json(read_file(run / "manifest.json").value_or(""));
-  if (!read || !read->is_object()) return {};
+  if (!read || !read->is_object()) return std::nullopt;
   const Json& manifest = *read;
   const auto reference = manifest.find("reference");
   if (reference != manifest.end() && reference->is_object()) {
     const auto path = reference->find("path");
-    if (path != reference->end() && path->is_string()) return path->get<std::string>();
+    if (path != reference->end() && path->is_string()) {
+      const auto keys = reference->find("resolved");
+      const bool known = keys != reference->end() && keys->is_string();
+      io::ReferenceSpec spec =
+          known ? io::parse_reference_spec(*keys, (run / "manifest.json").string()) : io::ReferenceSpec();
+      spec.file = *path;  // absolute
+      return spec;
+    }
   }
   // A run of before manifests named the reference.
   const auto dataset = manifest.find("dataset");
-  if (dataset == manifest.end() || !dataset->is_string()) return {};
+  if (dataset == manifest.end() || !dataset->is_string()) return std::nullopt;
   const auto file = dataset->get<std::string>();
-  return fs::exists(file, ignored) ? experiment::load_dataset(file).reference.value_or("") : fs::path{};
+  return fs::exists(file, ignored) ? experiment::load_dataset(file).reference : std::nullopt;
 }
 
 }  // namespace
@@ -261,8 +269,17 @@ DataTruth read_truth(const StudyFolder& study, const std::string& data) {
     return r.data == data && fs::exists(r.folder / "manifest.json", ignored);
   });
   try {
-    if (!fs::exists(file, ignored) && run != study.runs.end()) file = reference_of(run->folder);
-    if (!file.empty() && fs::is_regular_file(file, ignored)) out.truth = Trajectory(io::read_tum(file));
+    std::optional<io::ReferenceSpec> spec;
+    if (fs::is_regular_file(file, ignored)) {
+      spec = file;
+    } else if (run != study.runs.end()) {
+      spec = reference_of(run->folder);
+    }
+    if (spec && fs::exists(spec->file, ignored)) {
+      experiment::Truth truth = experiment::load_truth(*spec);
+      out.truth = std::move(truth.trajectory);
+      out.point = truth.point;
+    }
   } catch (const std::runtime_error&) {
     out.truth.reset();  // the page tells that there is no truth
   }

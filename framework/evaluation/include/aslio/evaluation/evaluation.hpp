@@ -83,6 +83,7 @@ struct Evaluation {
   double estimate_path = 0, reference_path = 0;  ///< [m]
   std::optional<double> score;                   ///< 0 to 100, of Options::scoring
   std::optional<TimeOffset> time_offset;         ///< that would lower the error; nothing was shifted
+  std::vector<std::string> notes;                ///< what was decided of the reference
   std::vector<std::string> warnings;             ///< why the figures may not mean what they seem to
 };
 

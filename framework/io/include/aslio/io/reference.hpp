@@ -28,20 +28,20 @@ enum class Protocol : std::uint8_t { none, ntu_viral, hilti_2022, hilti_2023 };
 
 /// A reference and what there is to know of it (`schema: aslio/reference/1`; the block `reference` of a dataset).
 struct ReferenceSpec {
-  std::string file;                     ///< trajectory, table or recording; empty: no reference
-  std::string times;                    ///< stamps of poses without, a line each (KITTI)
+  std::string file;   ///< trajectory, table or recording; empty: no reference
+  std::string times;  ///< stamps of poses without, a line each (KITTI)
   ReferenceFormat format = ReferenceFormat::automatic;
-  std::vector<std::string> columns;     ///< `x` in the order of the file, or `x=pos_x` by the names of its header
+  std::vector<std::string> columns;  ///< `x` in the order of the file, or `x=pos_x` by the names of its header
   TimeUnit time_unit = TimeUnit::automatic;
-  std::string topic;                    ///< of a recording; empty: the only one that fits
+  std::string topic;                      ///< of a recording; empty: the only one that fits
   std::string parent_frame, child_frame;  ///< of a TF topic
   PositionsOnly positions_only = PositionsOnly::automatic;
-  TransformBlock T_imu_reference;       ///< pose of the frame of the reference in the IMU frame
-  std::string frame;                    ///< name of that frame, for a chain of `transforms`; empty: T_imu_reference
+  TransformBlock T_imu_reference;  ///< pose of the frame of the reference in the IMU frame
+  std::string frame;               ///< name of that frame, for a chain of `transforms`; empty: T_imu_reference
   std::vector<NamedTransform> transforms;
-  std::vector<double> lever_arm;        ///< position of the reference point in the IMU frame [m]; empty: none
-  double time_offset = 0;               ///< added to the stamps of the reference [s]
-  double min_spacing = 0;               ///< poses nearer to the last one are left out [s]
+  std::vector<double> lever_arm;  ///< position of the reference point in the IMU frame [m]; empty: none
+  double time_offset = 0;         ///< added to the stamps of the reference [s]
+  double min_spacing = 0;         ///< poses nearer to the last one are left out [s]
   Association association = Association::interpolated;
   std::optional<double> max_gap;        ///< of the reference, to interpolate across [s]; 2.5 usual steps
   std::optional<double> max_neighbour;  ///< from a stamp to either neighbour in the reference [s]; any
@@ -62,6 +62,12 @@ ReferenceSpec load_reference_spec(const std::filesystem::path& path, const std::
 /// YAML text (`schema: aslio/reference/1`) with every key, and back. The text is that of resolved_text().
 std::string resolved_text(const ReferenceSpec& spec);
 ReferenceSpec parse_reference_spec(const std::string& text, const std::string& source);
+
+/// The same with `key=value` each. Throws as load_reference_spec() does.
+ReferenceSpec with_overrides(const ReferenceSpec& spec, const std::vector<std::string>& overrides);
+
+/// The same with its frame given by this transform alone, so that no other file is needed to know it.
+ReferenceSpec in_place(ReferenceSpec spec, const Pose& T_imu_reference);
 
 /// The keys with what its protocol says where they say nothing.
 ReferenceSpec with_protocol(ReferenceSpec spec);

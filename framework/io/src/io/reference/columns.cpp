@@ -78,9 +78,8 @@ std::optional<Role> told_by(std::string_view name) {
   if (any_of(words, {"t", "time", "timestamp", "timestamps", "stamp"}) && !any_of({last}, {"x", "y", "z", "w"})) {
     return Role::t;
   }
-  const std::string axis = last.size() == 2 && std::string_view("tpq").find(last[0]) != std::string_view::npos
-                               ? last.substr(1)
-                               : last;
+  const std::string axis =
+      last.size() == 2 && std::string_view("tpq").find(last[0]) != std::string_view::npos ? last.substr(1) : last;
   const bool turned = last.starts_with('q') || any_of(words, {"q", "quat", "quaternion", "orientation", "rotation"});
   if (turned && axis.size() == 1) {
     const std::size_t index = std::string_view("xyzw").find(axis[0]);
@@ -115,7 +114,8 @@ Columns listed_columns(std::span<const std::string> written, std::span<const std
     if (role_name == "-") continue;
     const auto role = role_of(role_name);
     if (!role) {
-      throw ConfigError(fmt::format("columns: '{}' is none of {}, and - for others", role_name, fmt::join(kNames, ", ")));
+      throw ConfigError(
+          fmt::format("columns: '{}' is none of {}, and - for others", role_name, fmt::join(kNames, ", ")));
     }
     std::size_t index = i;
     if (equal != std::string::npos) {
@@ -162,7 +162,7 @@ std::optional<Columns> named_columns(std::span<const std::string_view> header) {
 
 std::optional<Columns> counted_columns(std::span<const std::string_view> first, ReferenceFormat format,
                                        char separator) {
-  constexpr std::string_view kTum = "t x y z qx qy qz qw", kEuroc = "t x y z qw qx qy qz";
+  constexpr std::string_view kTum = kTumColumns, kEuroc = "t x y z qw qx qy qz";
   constexpr std::string_view kMatrix = "r11 r12 r13 x r21 r22 r23 y r31 r32 r33 z";
   const std::size_t count = first.size();
   if (format == ReferenceFormat::euroc) {
@@ -171,7 +171,8 @@ std::optional<Columns> counted_columns(std::span<const std::string_view> first, 
     columns.width = count;
     return columns;
   }
-  if (count == 12 && (format == ReferenceFormat::automatic || format == ReferenceFormat::kitti)) return laid_out(kMatrix);
+  if (count == 12 && (format == ReferenceFormat::automatic || format == ReferenceFormat::kitti))
+    return laid_out(kMatrix);
   if (format == ReferenceFormat::kitti) return std::nullopt;
   if (format == ReferenceFormat::tum) return count == 8 ? std::optional(laid_out(kTum)) : std::nullopt;
   if (count == 4) return laid_out("t x y z");

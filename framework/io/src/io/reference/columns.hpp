@@ -13,13 +13,11 @@
 
 namespace aslio::io {
 
-enum class Role : std::uint8_t {
-  t, sec, nsec,
-  x, y, z,
-  qx, qy, qz, qw,
-  r11, r12, r13, r21, r22, r23, r31, r32, r33
-};
+enum class Role : std::uint8_t { t, sec, nsec, x, y, z, qx, qy, qz, qw, r11, r12, r13, r21, r22, r23, r31, r32, r33 };
 inline constexpr std::size_t kRoles = 19;
+
+/// What needs no word.
+inline constexpr std::string_view kTumColumns = "t x y z qx qy qz qw";
 
 struct Columns {
   std::array<std::optional<std::size_t>, kRoles> at;  ///< index of the column of each role

@@ -40,8 +40,8 @@ class LocalTangent {
     if (!set_) {
       set_ = true;
       origin_ = p;
-      R_enu_ << -std::sin(lon), std::cos(lon), 0,                                                    //
-          -std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat),             //
+      R_enu_ << -std::sin(lon), std::cos(lon), 0,                                         //
+          -std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat),  //
           std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat);
     }
     return R_enu_ * (p - origin_);
@@ -149,8 +149,9 @@ class MessageRows {
       return Mat3::Identity();
     }
     if (!(std::abs(norm - 1) < 1e-2) && spec_.positions_only != PositionsOnly::yes) {
-      throw DataError(fmt::format("{}: message {}: a quaternion of norm {:.4f}; set `positions_only: yes` to do without",
-                                  out_.source, count_, norm));
+      throw DataError(
+          fmt::format("{}: message {}: a quaternion of norm {:.4f}; set `positions_only: yes` to do without",
+                      out_.source, count_, norm));
     }
     return std::isfinite(norm) ? q.normalized().toRotationMatrix() : Mat3::Identity();
   }
@@ -172,8 +173,8 @@ class MessageRows {
     }
     if (out_.rows.empty()) {
       const std::string frames = seen_.empty() ? "" : fmt::format("; there are the frames {}", pairs_of(seen_));
-      throw DataError(fmt::format("{}: tells no pose{}{}{}", out_.source, frames, malformed_ > 0 ? ": " : "",
-                                  first_wrong_));
+      throw DataError(
+          fmt::format("{}: tells no pose{}{}{}", out_.source, frames, malformed_ > 0 ? ": " : "", first_wrong_));
     }
     if (without_fix_ > 0) out_.notes.push_back(fmt::format("{} messages have no fix: left out", without_fix_));
     if (malformed_ > 0) {
@@ -194,7 +195,7 @@ class MessageRows {
     out_.positions_only = out_.positions_only || set || all_zero;
     if (!out_.positions_only) return;
     if (spec_.positions_only == PositionsOnly::no) {
-      throw ConfigError(fmt::format("{}: has no orientation: leave `positions_only: no` out", out_.source));
+      throw ConfigError(fmt::format("{}: has no orientation, which `positions_only: no` asks for", out_.source));
     }
     out_.notes.emplace_back("positions only: no rotation error is measured");
   }

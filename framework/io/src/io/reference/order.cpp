@@ -73,10 +73,10 @@ class Ordering {
       refuse_few_digits(kept.front().pose.t, leading, others);
     }
     if (others > 0) {
-      out_.warnings.push_back(
-          fmt::format("{}: {} poses have the stamp of the one before them and are others, the first in {} {}: left out; "
-                      "write stamps with more digits",
-                      in_.source, others, in_.place, first_other));
+      out_.warnings.push_back(fmt::format(
+          "{}: {} poses have the stamp of the one before them and are others, the first in {} {}: left out; "
+          "write stamps with more digits",
+          in_.source, others, in_.place, first_other));
     }
     if (copies > 0) {
       out_.notes.push_back(fmt::format("{} poses repeat the one before them: left out", copies));

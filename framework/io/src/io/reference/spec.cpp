@@ -7,6 +7,7 @@
 #include "aslio/config/stage_lookup.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/io/reference.hpp"
+#include "rows.hpp"
 
 namespace aslio::io {
 namespace {
@@ -81,12 +82,14 @@ void describe_association(config::Binder& b, ReferenceSpec& spec) {
 /// What a protocol says where the keys say nothing.
 void apply_protocol(ReferenceSpec& spec) {
   const ReferenceSpec unset;
+  const bool placed = !spec.lever_arm.empty() || !spec.frame.empty() || !spec.T_imu_reference.is_identity();
   switch (spec.protocol) {
     case Protocol::none:
       return;
     case Protocol::ntu_viral:
-      if (spec.lever_arm.empty()) spec.lever_arm = {-0.293656, -0.012288, -0.273095};  // prism in the body frame
+      if (!placed) spec.lever_arm = {-0.293656, -0.012288, -0.273095};  // prism in the body frame
       spec.positions_only = PositionsOnly::yes;
+      if (spec.topic.empty() && is_recording(spec.file)) spec.topic = "/leica/pose/relative";
       if (!spec.max_neighbour) spec.max_neighbour = 0.1;
       if (!spec.max_gap) spec.max_gap = 2 * *spec.max_neighbour;
       return;
@@ -96,7 +99,7 @@ void apply_protocol(ReferenceSpec& spec) {
       spec.positions_only = PositionsOnly::yes;
       if (spec.max_difference == unset.max_difference) spec.max_difference = 2.0;
       // The tip of the pole. The frame of 2023 is another one: its lever arm has to be written.
-      if (spec.lever_arm.empty() && spec.protocol == Protocol::hilti_2022) {
+      if (!placed && spec.protocol == Protocol::hilti_2022) {
         spec.lever_arm = {0.059, -0.00855, 0.1964};
       }
   }
@@ -156,6 +159,23 @@ ReferenceSpec load_reference_spec(const std::filesystem::path& path, const std::
   }
   spec.file = beside(path.parent_path(), spec.file).string();
   if (!spec.times.empty()) spec.times = beside(path.parent_path(), spec.times).string();
+  return spec;
+}
+
+ReferenceSpec with_overrides(const ReferenceSpec& spec, const std::vector<std::string>& overrides) {
+  return overrides.empty() ? spec : parsed(resolved_text(spec), spec.file, overrides);
+}
+
+ReferenceSpec in_place(ReferenceSpec spec, const Pose& T_imu_reference) {
+  const Vec3& p = T_imu_reference.p;
+  spec.T_imu_reference = {};
+  spec.T_imu_reference.translation = {p.x(), p.y(), p.z()};
+  for (int i = 0; !T_imu_reference.R.isIdentity(0) && i < 9; ++i) {
+    spec.T_imu_reference.rotation.push_back(T_imu_reference.R(i / 3, i % 3));
+  }
+  spec.frame.clear();
+  spec.transforms.clear();
+  spec.lever_arm.clear();
   return spec;
 }
 

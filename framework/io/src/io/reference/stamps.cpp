@@ -134,16 +134,17 @@ std::optional<TimeNs> parse_time(std::string_view text, TimeUnit unit) {
 }
 
 std::optional<UnitVerdict> judge_unit(std::span<const std::string_view> stamps, std::string_view header) {
+  const double step = usual_step(stamps);
   if (!stamps.empty()) {
+    // Nanoseconds since a start are of the size of seconds since 1970, but years apart if they were.
+    constexpr double kLongest = 3600;
     const auto value = parse_number(stamps.front());
     const auto epoch = value ? epoch_unit(std::abs(*value)) : std::nullopt;
-    if (epoch) return UnitVerdict{*epoch, "by their size"};
+    if (epoch && step <= kLongest * std::pow(10, 9 - digits_of(*epoch))) return UnitVerdict{*epoch, "by their size"};
   }
   if (const auto written = unit_in(header)) return UnitVerdict{*written, "by the header"};
-  const bool fractions = std::any_of(stamps.begin(), stamps.end(), [](std::string_view stamp) {
-    return stamp.find('.') != std::string_view::npos;
-  });
-  const double step = usual_step(stamps);
+  const bool fractions = std::any_of(stamps.begin(), stamps.end(),
+                                     [](std::string_view stamp) { return stamp.find('.') != std::string_view::npos; });
   constexpr double kLongestSeconds = 2, kShortestNanoseconds = 5e5;
   if (fractions || step <= kLongestSeconds) return UnitVerdict{TimeUnit::s, "by their steps"};
   if (step >= kShortestNanoseconds) return UnitVerdict{TimeUnit::ns, "by their steps"};

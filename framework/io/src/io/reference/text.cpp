@@ -51,15 +51,17 @@ class TextReader {
  private:
   [[noreturn]] void refuse_layout(const TextRows& rows, std::size_t count) const {
     if (count == 8 && spec_.format == ReferenceFormat::automatic) {
-      rows.refuse("8 columns by commas, stamps in ns: the order of the quaternion cannot be told; set `format: euroc` "
-                  "(w first) or `format: tum` (w last)",
-                  rows.cells().front());
+      rows.refuse(
+          "8 columns by commas, stamps in ns: the order of the quaternion cannot be told; set `format: euroc` "
+          "(w first) or `format: tum` (w last)",
+          rows.cells().front());
     }
     if (spec_.format == ReferenceFormat::tum) {
       rows.refuse(fmt::format("{} columns where TUM has 8 (t tx ty tz qx qy qz qw)", count), rows.cells().front());
     }
-    rows.refuse(fmt::format("{} columns tell no pose; list them in `columns`, as in [t, x, y, z, qx, qy, qz, qw]", count),
-                rows.cells().front());
+    rows.refuse(
+        fmt::format("{} columns tell no pose; list them in `columns`, as in [t, x, y, z, qx, qy, qz, qw]", count),
+        rows.cells().front());
   }
 
   /// Header, columns and unit. The first rows are read for it, and read again with the others.
@@ -78,7 +80,7 @@ class TextReader {
     }
     choose_columns(rows, views_of(header));
     if (layout_.columns.timed()) choose_unit(rows);
-    out_.notes.push_back(fmt::format("columns: {}", layout_.columns.how));
+    if (layout_.columns.how != kTumColumns) out_.notes.push_back(fmt::format("columns: {}", layout_.columns.how));
   }
 
   void choose_columns(const TextRows& rows, const std::vector<std::string_view>& header) {
@@ -120,13 +122,15 @@ class TextReader {
   std::vector<TimeNs> read_times() const {
     std::vector<TimeNs> times;
     if (layout_.columns.timed()) {
-      if (!spec_.times.empty()) throw ConfigError(fmt::format("{}: its poses have stamps: leave `times` out", spec_.file));
+      if (!spec_.times.empty())
+        throw ConfigError(fmt::format("{}: its poses have stamps: leave `times` out", spec_.file));
       return times;
     }
     if (spec_.times.empty()) {
-      throw ConfigError(fmt::format(
-          "{}: rows of 12 numbers are poses without stamps; name the file of the stamps in `times` (times.txt of KITTI)",
-          spec_.file));
+      throw ConfigError(
+          fmt::format("{}: rows of 12 numbers are poses without stamps; name the file of the stamps in `times` "
+                      "(times.txt of KITTI)",
+                      spec_.file));
     }
     const std::string text = read_whole(spec_.times);
     TextRows rows(text, spec_.times);
@@ -210,14 +214,15 @@ class TextReader {
     const bool written = layout_.columns.has_quaternion() || layout_.columns.has_matrix();
     const bool all_zero = zeros_ == out_.rows.size();
     if (zeros_ > 0 && !all_zero) {
-      throw DataError(fmt::format("{}:{}: a quaternion 0 0 0 0, as have {} of {} rows; leave those out, or set "
-                                  "`positions_only: yes`",
-                                  spec_.file, first_zero_, zeros_, out_.rows.size()));
+      throw DataError(
+          fmt::format("{}:{}: a quaternion 0 0 0 0, as have {} of {} rows; leave those out, or set "
+                      "`positions_only: yes`",
+                      spec_.file, first_zero_, zeros_, out_.rows.size()));
     }
     out_.positions_only = !written || all_zero || spec_.positions_only == PositionsOnly::yes;
     if (!out_.positions_only) return;
     if (spec_.positions_only == PositionsOnly::no) {
-      throw ConfigError(fmt::format("{}: has no orientation: leave `positions_only: no` out", spec_.file));
+      throw ConfigError(fmt::format("{}: has no orientation, which `positions_only: no` asks for", spec_.file));
     }
     out_.notes.push_back(fmt::format("positions only ({}): no rotation error is measured",
                                      spec_.positions_only == PositionsOnly::yes ? "as set"

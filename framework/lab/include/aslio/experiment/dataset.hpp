@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 
 namespace aslio::config {
@@ -19,7 +20,8 @@ struct DatasetConfig {
   std::string description;         ///< for people
   std::string input;               ///< a recording, or a folder of its parts
   std::string sensor;              ///< sensor file
-  std::string reference;           ///< reference trajectory (TUM); empty: none
+  io::ReferenceSpec reference;     ///< without a file: none
+  bool reference_as_text = false;  ///< the key holds the path alone, or that of a reference file
   double start = 0;                ///< of the data to skip [s]
   std::optional<double> duration;  ///< of the data to use [s]; all if absent
   bool closed_loop = false;        ///< the motion ends in the pose in which it begins
@@ -31,7 +33,7 @@ struct Dataset {
   std::filesystem::path file;
   std::string name, description;
   std::filesystem::path input, sensor;
-  std::optional<std::filesystem::path> reference;
+  std::optional<io::ReferenceSpec> reference;
   io::Section section;
   bool closed_loop = false;
   std::string resolved;  ///< YAML with every key at its effective value

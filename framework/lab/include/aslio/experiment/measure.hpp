@@ -41,16 +41,18 @@ inline constexpr TimeNs kMaxSilence = kSecond;
 /// off by more than both limits above, with the estimate laid on the reference over its first second (so that a late
 /// failure is not shared out over the way before it), or `other` has come, whichever is first. Nothing when it has not
 /// failed. `other`: of a failure of another kind.
+/// `positions_only`: of a reference without orientations, on which a second does not lay an estimate; then it has
+/// failed where find_divergence() says.
 std::optional<double> failed_after(std::span<const StampedPose> poses, const Trajectory& reference,
-                                   std::optional<TimeNs> other);
+                                   std::optional<TimeNs> other, bool positions_only = false);
 
 /// Tells during a run that it is lost for good: neither what find_divergence() nor what failed_after() say of its poses
 /// so far will change. Costs a look into the reference per pose until the position is off; from then on, and until
 /// find_divergence() agrees, one of its searches per second of data.
 class DivergenceWatch {
  public:
-  /// `reference` must outlive it.
-  explicit DivergenceWatch(const Trajectory& reference);
+  /// `reference` must outlive it. `positions_only`: as of failed_after(); it then searches once per second of data.
+  explicit DivergenceWatch(const Trajectory& reference, bool positions_only = false);
   /// `poses`: all so far. What find_divergence() says, once both have come and kMaxSilence has passed: by then a
   /// silence that began before, and is what failed first, is known to be one.
   std::optional<std::pair<TimeNs, std::string>> look(std::span<const StampedPose> poses);
@@ -59,6 +61,7 @@ class DivergenceWatch {
   bool off_limits(const StampedPose& estimate) const;
 
   const Trajectory& reference_;
+  bool positions_only_ = false;
   TimeNs max_gap_ = 0;
   std::vector<double> path_;      ///< of the reference up to each of its samples [m]
   std::optional<Pose> laid_;      ///< of the estimate on the reference

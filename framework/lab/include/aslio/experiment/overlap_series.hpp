@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "aslio/experiment/run.hpp"
+#include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/plugin/registry.hpp"
 #include "aslio/stages/window.hpp"
@@ -20,7 +21,7 @@ struct OverlapSeriesOptions {
   std::vector<std::string> overrides;         ///< `key.path=value`, in order
   std::vector<std::filesystem::path> inputs;  ///< read as one recording; at least one
   std::filesystem::path sensor;
-  std::filesystem::path trajectory;  ///< TUM, poses T_W_I
+  io::ReferenceSpec trajectory;  ///< with orientations
   io::Section section;
   double period = 0.1;  ///< [s] length of a frame
   /// Each frame is scored a second time with its pose moved by this much in a direction of its own [m], and turned by

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "aslio/experiment/summary.hpp"
+#include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/plugin/registry.hpp"
 
@@ -29,13 +30,13 @@ struct RunOptions {
   std::vector<std::filesystem::path> more_inputs;  ///< that are one recording with `input`
   int threads = 1;
   io::Section section;
-  std::optional<std::filesystem::path> dataset;    ///< the file that named input, sensor or reference; for the manifest
-  std::optional<std::filesystem::path> reference;  ///< TUM; fills Summary::evaluation
-  std::optional<std::filesystem::path> save_map;   ///< .ply or .pcd
-  bool closed_loop = false;                        ///< else Summary::end_to_end_m would be no error, and is left out
-  bool dense = false;                              ///< also trajectory_dense.tum
-  bool stop_when_diverged = false;                 ///< by its own word, or from the reference
-  std::uint64_t order_seed = 0;                    ///< BuildContext::order_seed
+  std::optional<std::filesystem::path> dataset;   ///< the file that named input, sensor or reference; for the manifest
+  std::optional<io::ReferenceSpec> reference;     ///< fills Summary::evaluation
+  std::optional<std::filesystem::path> save_map;  ///< .ply or .pcd
+  bool closed_loop = false;                       ///< else Summary::end_to_end_m would be no error, and is left out
+  bool dense = false;                             ///< also trajectory_dense.tum
+  bool stop_when_diverged = false;                ///< by its own word, or from the reference
+  std::uint64_t order_seed = 0;                   ///< BuildContext::order_seed
   std::vector<PluginFile> plugins;
   std::vector<std::string> command_line;  ///< for the manifest
   /// Opens the input in place of io::open_source(), for data that are in no file (tools/soak); `input` is then a name,

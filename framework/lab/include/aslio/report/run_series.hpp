@@ -26,7 +26,8 @@ std::optional<Columns> read_columns(const std::filesystem::path& path);
 /// What belongs to a recording and not to a run.
 struct DataTruth {
   std::optional<Trajectory> truth;
-  TimeNs origin = 0;  ///< time 0 of the page
+  TimeNs origin = 0;          ///< time 0 of the page
+  Vec3 point = Vec3::Zero();  ///< [m] in the IMU frame: what the truth is of
 };
 
 /// Truth of a recording: data/DATA/truth.tum of the study, or the reference that the manifest of a run names. None
