@@ -48,6 +48,17 @@ void InputFile::read(std::uint64_t offset, std::span<std::uint8_t> to) const {
   }
 }
 
+std::string read_small_file(const std::filesystem::path& path, std::uint64_t most, std::string_view what) {
+  const InputFile file(path);
+  if (file.size() > most) {
+    throw DataError(
+        fmt::format("{}: {} bytes are too many for {} (at most {})", path.string(), file.size(), what, most));
+  }
+  std::string text(static_cast<std::size_t>(file.size()), '\0');
+  file.read(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()});
+  return text;
+}
+
 const std::uint8_t* ByteView::at(std::uint64_t offset, std::size_t count) {
   if (memory_ != nullptr) return memory_ + offset;
   if (offset < window_begin_ || offset + count > window_end_) {

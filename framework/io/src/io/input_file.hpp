@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace aslio::io {
@@ -25,6 +27,10 @@ class InputFile {
   int fd_ = -1;
   std::uint64_t size_ = 0;
 };
+
+/// All of a file that belongs to a recording. Throws DataError when it cannot be read, or is larger than `most` bytes
+/// and so not `what` it should be.
+std::string read_small_file(const std::filesystem::path& path, std::uint64_t most, std::string_view what);
 
 class ByteView {
  public:

@@ -61,6 +61,7 @@ class TopicProbe {
     }
     if (report_.role == TopicRole::lidar) judge_lidar_end();
     if (report_.messages == 0 && report_.role != TopicRole::other) report_.problem = "there is no message";
+    if (decoder_ && !decoder_->remark().empty()) notes_.warnings.push_back(decoder_->remark());
     report_.verdicts.insert(report_.verdicts.end(), notes_.verdicts.begin(), notes_.verdicts.end());
     report_.verdicts.insert(report_.verdicts.end(), notes_.warnings.begin(), notes_.warnings.end());
     return std::move(report_);

@@ -7,6 +7,7 @@
 #include "aslio/io/rosbag/messages.hpp"
 #include "cloud_decoder.hpp"
 #include "livox_decoder.hpp"
+#include "packets/sweep_decoder.hpp"
 
 namespace aslio::io {
 namespace {
@@ -31,6 +32,7 @@ constexpr std::array<KnownMessage, 3> kKnownMessages{
 MessageKind message_kind(const Connection& connection) {
   const bool ros1 = connection.encoding == Encoding::ros1;
   if (connection.encoding == Encoding::other) return MessageKind::other;
+  if (packets::vendor_of(connection)) return MessageKind::packets;
   const bool by_name = !ros1 || connection.md5.empty() || connection.md5 == "*";
   for (const KnownMessage& known : kKnownMessages) {
     if (by_name ? known.named(connection.type) : known.ros1->md5 == connection.md5) return known.kind;
@@ -45,14 +47,16 @@ bool is_known_name(const Connection& connection) {
 
 bool is_lidar(const Connection& connection) {
   const MessageKind kind = message_kind(connection);
-  return kind == MessageKind::livox || kind == MessageKind::cloud;
+  return kind == MessageKind::livox || kind == MessageKind::cloud || kind == MessageKind::packets;
 }
 
 bool is_imu(const Connection& connection) { return message_kind(connection) == MessageKind::imu; }
 
 std::unique_ptr<LidarDecoder> make_lidar_decoder(const Connection& connection, const SensorConfig& sensor,
                                                  std::string where, std::optional<TimeNs> imu_time) {
-  if (message_kind(connection) == MessageKind::livox) return make_livox_decoder(sensor, std::move(where));
+  const MessageKind kind = message_kind(connection);
+  if (kind == MessageKind::livox) return make_livox_decoder(sensor, std::move(where));
+  if (kind == MessageKind::packets) return packets::make_sweep_decoder(connection, sensor, std::move(where));
   return make_cloud_decoder(sensor, std::move(where), imu_time);
 }
 

@@ -26,10 +26,12 @@ class LidarDecoder {
   virtual bool skipped() const { return false; }
   /// The header stamps are of another clock than the points: the stamp of a decoded packet counts alone.
   virtual bool own_clock() const { return false; }
+  /// What only all messages decoded so far tell; empty: nothing.
+  virtual std::string remark() const { return {}; }
 };
 
 /// What a message is, whatever the package or distribution that it comes from.
-enum class MessageKind : std::uint8_t { other, livox, cloud, imu };
+enum class MessageKind : std::uint8_t { other, livox, cloud, packets, imu };
 
 /// ROS1: by the checksum, and by the name where there is none (or `*`). ROS2: by the name.
 MessageKind message_kind(const Connection& connection);

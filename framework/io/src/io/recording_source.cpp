@@ -18,7 +18,9 @@ constexpr std::size_t kJudgedMessages = 50;  ///< LiDAR messages looked at for o
 constexpr TimeNs kClocksApart = kSecond;     ///< a recorder is never so late with one topic alone
 constexpr TimeNs kSectionSlack = kSecond;    ///< messages may be recorded later than stamped
 
-const TopicRoleWords kLidarWords{"LiDAR", "lidar_topic", "livox CustomMsg and sensor_msgs/PointCloud2", &is_lidar};
+const TopicRoleWords kLidarWords{"LiDAR", "lidar_topic",
+                                 "livox CustomMsg, sensor_msgs/PointCloud2 and packets of Velodyne, Ouster and Hesai",
+                                 &is_lidar};
 const TopicRoleWords kImuWords{"IMU", "imu_topic", "sensor_msgs/Imu", &is_imu};
 
 class RecordingSource final : public MeasurementSource {
@@ -83,6 +85,7 @@ class RecordingSource final : public MeasurementSource {
     add_reader_warnings();
     judge_all_imu();
     judge_lines();
+    if (const std::string remark = decoder_->remark(); !remark.empty()) warn(packets_warning_, remark);
   }
 
   /// What is cut off behind the section is nothing that was asked for.
@@ -337,7 +340,8 @@ class RecordingSource final : public MeasurementSource {
   TimeNs newest_imu_ = kTimeMin, newest_lidar_ = kTimeMin;
   std::uint32_t sweeps_ = 0;
   std::size_t reader_warnings_ = 0;
-  std::optional<std::size_t> skip_warning_, too_fast_warning_, doubt_warning_, lines_warning_;  ///< places in the notes
+  std::optional<std::size_t> skip_warning_, too_fast_warning_, doubt_warning_, lines_warning_,
+      packets_warning_;  ///< places in the notes
   std::string first_skipped_;
   std::uint64_t points_ = 0, beyond_lines_ = 0;  ///< taken; dropped for their line alone
   int scan_lines_;

@@ -118,6 +118,15 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
          "columns of the .bin scans of a folder, like `x y z intensity time ring:u16`; float32 where no type is named");
   b.text("imu_columns", sensor.imu_columns,
          "columns of a folder's IMU table that does not name them, like `timestamp wx wy wz ax ay az`");
+  b.text(
+      "lidar_metadata", sensor.lidar_metadata,
+      "file of an Ouster sensor's metadata (JSON), for raw packets; empty: in the recording, or beside it by its name");
+  b.text(
+      "lidar_calibration", sensor.lidar_calibration,
+      "file of a Hesai sensor's own angles (lines `channel,elevation,azimuth`, deg), for raw packets; empty: those of "
+      "the manual");
+  b.text("lidar_address", sensor.lidar_address,
+         "IP address of the sensor to take from a capture of several (pcap); empty: the only one");
   b.choice("acc_unit", sensor.acc_unit, {{"auto", AccUnit::automatic}, {"g", AccUnit::g}, {"mps2", AccUnit::mps2}},
            "unit of the acceleration; auto: by its norm in the first second");
   b.choice("gyro_unit", sensor.gyro_unit,

@@ -58,9 +58,14 @@ std::string TopicChooser::wrong_type(const TopicRoleWords& words, const Connecti
 
 std::string TopicChooser::only_topic(const TopicRoleWords& words) const {
   std::vector<std::string> topics;
-  for (const Connection& c : connections_) {
-    if (words.fits(c) && std::find(topics.begin(), topics.end(), c.topic) == topics.end()) topics.push_back(c.topic);
-  }
+  const auto add = [&](bool packets) {
+    for (const Connection& c : connections_) {
+      const bool fits = words.fits(c) && (message_kind(c) == MessageKind::packets) == packets;
+      if (fits && std::find(topics.begin(), topics.end(), c.topic) == topics.end()) topics.push_back(c.topic);
+    }
+  };
+  add(false);
+  if (topics.empty()) add(true);  // packets are recorded beside the clouds that are made of them
   if (topics.size() == 1) return topics.front();
   throw DataError(fmt::format("{}: {} {} topic ({}); {}set `{}` to one of:{}", name_,
                               topics.empty() ? "there is no" : "there is more than one", words.role, words.types,

@@ -51,6 +51,9 @@ struct SensorConfig {
   std::string
       scan_columns;  ///< of a folder's .bin files: `x y z intensity time ring:u16`; float32 where nothing is said
   std::string imu_columns;  ///< of a folder's table of an IMU that has no line of names: `timestamp wx wy wz ax ay az`
+  std::string lidar_metadata;     ///< file of an Ouster's metadata; empty: in the recording, or beside it by its name
+  std::string lidar_calibration;  ///< file of a Hesai's own angles; empty: those of the manual
+  std::string lidar_address;      ///< of the sensor to take from a capture of several; empty: the only one
   AccUnit acc_unit = AccUnit::automatic;
   GyroUnit gyro_unit = GyroUnit::automatic;
   bool livox_tag_filter = true;     ///< keep (tag & 0x30) in {0x00, 0x10} (first or strongest return)
