@@ -16,6 +16,7 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 find_package(SQLite3 REQUIRED)
+pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)
 
 # PCL by pkg-config: its CMake package would configure Boost, VTK and Qt to reach the two libraries asked for.
 # Code that uses it is compiled without ASLIO_CODE_FLAGS: Eigen's alignment depends on -march, and distribution binaries

@@ -12,6 +12,7 @@
 #include "folder/open_folder.hpp"
 #include "imu_rate.hpp"
 #include "lidar_decoder.hpp"
+#include "packets/open_packets.hpp"
 #include "recording_files.hpp"
 #include "stamp_clock.hpp"
 #include "topic_statistics.hpp"
@@ -176,7 +177,7 @@ InputReport inspect(const std::filesystem::path& path, const SensorConfig& senso
   InputReport report;
   report.path = path;
   const bool folder = is_folder_of_scans(path);
-  const auto reader = folder ? open_folder(path, sensor) : open_messages(path);
+  const auto reader = folder ? open_folder(path, sensor) : packets::open_with_packets({&path, 1}, sensor);
   if (!folder) report.bytes = bytes_of(path);
   inspect_messages(*reader, sensor, report);
   try {

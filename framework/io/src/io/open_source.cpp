@@ -3,6 +3,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/io/source.hpp"
 #include "folder/open_folder.hpp"
+#include "packets/open_packets.hpp"
 #include "recording_files.hpp"
 #include "recording_source.hpp"
 
@@ -32,7 +33,7 @@ std::unique_ptr<MeasurementSource> open_source(const std::filesystem::path& path
   check(path);
   check(section);
   if (is_folder_of_scans(path)) return open_folder_source(path, sensor, section);
-  return open_recording(path.string(), open_messages(path), sensor, section);
+  return open_recording(path.string(), packets::open_with_packets({&path, 1}, sensor), sensor, section);
 }
 
 std::unique_ptr<MeasurementSource> open_source(const std::vector<std::filesystem::path>& inputs,
@@ -44,7 +45,7 @@ std::unique_ptr<MeasurementSource> open_source(const std::vector<std::filesystem
     check(input);
     name += (name.empty() ? "" : ", ") + input.string();
   }
-  return open_recording(std::move(name), open_messages(inputs), sensor, section);
+  return open_recording(std::move(name), packets::open_with_packets(inputs, sensor), sensor, section);
 }
 
 }  // namespace aslio::io
