@@ -304,6 +304,66 @@ def kitti_inputs():
                          velodyne_points__data__0000000000_bin=scan, **both)
 
 
+def velodyne(product=0x22, mode=0x37, banks=1):
+    blocks = b"".join(struct.pack("<HH", 0xEEFF - 0x1100 * (b % banks), 40 * b) + struct.pack("<HB", 5000, 7) * 32
+                      for b in range(12))
+    return blocks + struct.pack("<IBB", 1000, mode, product)
+
+
+def hesai(channels=16, blocks=8):
+    body = b"".join(struct.pack("<H", 18 * b) + struct.pack("<HBB", 2500, 9, 0) * channels for b in range(blocks))
+    head = struct.pack("<HBBHBBBBBB", 0xFFEE, 6, 1, 0, channels, blocks, 0, 4, 1, 1)
+    return head + body + bytes(10) + struct.pack("<BHBBBBBBIBI", 0x37, 600, 120, 9, 13, 12, 26, 40, 100, 0x42, 5)
+
+
+def ouster(rows=2, columns=4):
+    """Metadata and a packet of profile LEGACY."""
+    metadata = json.dumps({"beam_altitude_angles": [1.5] * rows, "beam_azimuth_angles": [0.5] * rows, "lidar_mode": "512x10",
+                           "data_format": {"columns_per_packet": columns, "columns_per_frame": 512},
+                           "lidar_origin_to_beam_origin_mm": 15.8, "prod_line": "OS-1"})
+    packet = b"".join(struct.pack("<QHHI", 10**9 + 10**5 * c, c, 3, 0) + struct.pack("<IHHHH", 5000, 5, 5, 5, 0) * rows +
+                      b"\xff" * 4 for c in range(columns))
+    return metadata.encode() + b"\0" + packet
+
+
+def scan(packets, width=None, cdr=False):
+    """`width`: of a packet's field; nothing where that is its own length."""
+    out = struct.pack("<BBBBIII", 0, 1, 0, 0, START, 0, 4) + b"lid\0" if cdr else header(0)
+    out += struct.pack("<I", len(packets))
+    for i, packet in enumerate(packets):
+        out += bytes(-len(out) % 4 if cdr else 0) + stamp(10**6 * i)
+        out += packet if width is None else packet.ljust(width, b"\0")
+        out += b"" if width is None else bytes(-len(out) % 4 if cdr else 0) + struct.pack("<I", len(packet))
+    return out
+
+
+def capture(packets, fragment=None):
+    out = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 1)
+    for i, packet in enumerate(packets):
+        udp = struct.pack(">HHHH", 2368, 2368, 8 + len(packet), 0) + packet
+        step = fragment or len(udp)
+        for at in range(0, len(udp), step):
+            part = udp[at:at + step]
+            flags = (0x2000 if at + step < len(udp) else 0) | at // 8
+            ip = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(part), i, flags, 64, 17, 0, b"\xc0\xa8\1\2", b"\xff" * 4)
+            frame = bytes(12) + b"\x08\x00" + ip + part
+            out += struct.pack("<IIII", START, 1000 * i, len(frame), len(frame)) + frame
+    return out
+
+
+def packet_inputs():
+    yield "velodyne", b"\0" + velodyne(mode=0x39)
+    yield "vls128", b"\0" + velodyne(0xA1, banks=4)
+    yield "position", b"\0" + bytes(14) + struct.pack("<12H", *range(12)) + bytes(168) + b"$GPRMC,220243,A".ljust(306, b"\0")
+    yield "hesai", b"\0" + hesai()
+    yield "ouster", b"\1" + ouster()
+    yield "velodyne_scan", b"\2" + scan([velodyne()])
+    yield "pandar_scan", b"\2" + scan([hesai()], 1500)
+    yield "cdr_scan", b"\3" + scan([velodyne()], cdr=True)
+    yield "angles", b"\4Channel,Elevation,Azimuth\n1,15,0.1\n2,13.5,-0.1\n"
+    yield "capture", b"\5" + capture([velodyne()] * 2, 640)
+
+
 def inputs():
     """(target, name, bytes) of all."""
     for compression in ("none", "bz2", "lz4"):
@@ -348,7 +408,7 @@ def inputs():
     yield "csv", "updates", updates(6).encode()
     yield "text", "hostile", HOSTILE.encode() + b"\xff\0|`*[]{}$%_^~\\\r\n"
     for target, made in (("report", report_inputs), ("outcomes", outcome_inputs), ("study", study_inputs),
-                         ("kitti", kitti_inputs)):
+                         ("kitti", kitti_inputs), ("packets", packet_inputs)):
         for name, content in made():
             yield target, name, content
     for target, name, content in (
