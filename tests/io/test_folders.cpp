@@ -221,6 +221,25 @@ TEST_CASE("scans without point times are asked for as in a bag") {
   CHECK(drain(*source).points == 400);
 }
 
+TEST_CASE("scans may lie in the folder itself, and a list beside it") {
+  TemporaryFolder folder;
+  ScanFolder made;
+  made.counted = true;
+  made.lidar_folder = "walk";
+  made.imu_file = "walk/imu.csv";
+  made.write(folder.path());
+  std::string list;
+  for (int k = 0; k < 10; ++k) list += fmt::format("{}\n", kStart + k * kSecond / 10);
+  folder.write("timestamps.txt", list);
+  for (const fs::path& path : {folder / "walk", folder / "walk/"}) {
+    const InputReport report = inspect(path, declared(made.columns));
+    CHECK(report.usable);
+    REQUIRE(report.topics.size() == 2);
+    CHECK(report.topics[1].topic == "walk");
+    CHECK(report.begin == kStart);
+  }
+}
+
 TEST_CASE("PCD and PLY scans tell their columns") {
   for (const std::string extension : {".pcd", ".ply"}) {
     TemporaryFolder folder;

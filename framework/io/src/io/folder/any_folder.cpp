@@ -4,6 +4,7 @@
 #include <map>
 
 #include "aslio/core/errors.hpp"
+#include "folder_path.hpp"
 #include "folder_plan.hpp"
 #include "imu_table.hpp"
 #include "scan_list.hpp"
@@ -47,7 +48,7 @@ Contents contents_of(const fs::path& folder) {
 
 std::string name_below(const fs::path& path, const fs::path& root) {
   const fs::path relative = path.lexically_relative(root);
-  return relative == "." ? fs::absolute(root).lexically_normal().filename().string() : relative.generic_string();
+  return relative == "." ? named_folder(root).filename().string() : relative.generic_string();
 }
 
 class FolderSearch {

@@ -14,6 +14,7 @@
 #include "../decode/decode.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/input_file.hpp"
+#include "folder_path.hpp"
 
 namespace aslio::io {
 namespace {
@@ -178,8 +179,7 @@ std::optional<Pose> read_calibration(const fs::path& path) {
 fs::path oxts_of(const fs::path& drive) {
   constexpr std::string_view kSync = "_sync";
   std::error_code ignored;
-  const fs::path whole = fs::absolute(drive, ignored).lexically_normal();
-  const fs::path folder = whole.has_filename() ? whole : whole.parent_path();
+  const fs::path folder = named_folder(drive);
   if (std::string name = folder.filename().string(); name.ends_with(kSync)) {
     name.replace(name.size() - kSync.size(), kSync.size(), "_extract");
     const fs::path beside = folder.parent_path() / name / "oxts";
@@ -268,7 +268,7 @@ KittiDrive read_kitti_drive(const fs::path& folder) {
   read_scan_list(folder / "velodyne_points", drive);
   drive.oxts = oxts_of(folder);
   read_oxts(drive);
-  drive.T_imu_velo = read_calibration(fs::absolute(folder).lexically_normal().parent_path() / "calib_imu_to_velo.txt");
+  drive.T_imu_velo = read_calibration(named_folder(folder).parent_path() / "calib_imu_to_velo.txt");
   if (!drive.T_imu_velo) drive.T_imu_velo = read_calibration(folder / "calib_imu_to_velo.txt");
   return drive;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "folder_path.hpp"
 #include "folder_plan.hpp"
 #include "imu_table.hpp"
 #include "scan_list.hpp"
@@ -44,9 +45,7 @@ constexpr std::array<KittiSequence, 11> kKittiSequences{{{"00", "2011_10_03_driv
                                                          {"10", "2011_09_30_drive_0034", 0, 1200}}};
 
 std::string raw_drive_of(const fs::path& sequence) {
-  std::error_code ignored;
-  const fs::path whole = fs::absolute(sequence, ignored).lexically_normal();
-  const std::string name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+  const std::string name = named_folder(sequence).filename().string();
   for (const KittiSequence& known : kKittiSequences) {
     if (known.name == name) return fmt::format("{} (frames {} to {})", known.drive, known.first, known.last);
   }

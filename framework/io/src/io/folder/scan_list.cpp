@@ -10,6 +10,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "decimal.hpp"
+#include "folder_path.hpp"
 #include "number_lines.hpp"
 
 namespace aslio::io {
@@ -220,8 +221,7 @@ class ScanLister {
     constexpr std::array<std::string_view, 6> kNames{"timestamps.txt", "timestamps.csv", "times.txt",
                                                      "times.csv",      "timestamp.txt",  "stamps.txt"};
     std::error_code ignored;
-    const fs::path whole = fs::absolute(folder_, ignored).lexically_normal();
-    for (const fs::path& where : {folder_, whole.parent_path()}) {
+    for (const fs::path& where : {folder_, named_folder(folder_).parent_path()}) {
       for (const std::string_view name : kNames) {
         if (fs::is_regular_file(where / name, ignored)) return where / name;
       }
