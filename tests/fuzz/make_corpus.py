@@ -364,6 +364,62 @@ def packet_inputs():
     yield "capture", b"\5" + capture([velodyne()] * 2, 640)
 
 
+def points(count):
+    """Bytes of `count` points: x y z intensity time, and ring as u16."""
+    return b"".join(struct.pack("<5fH", 5 + i, 1, -0.5, 7, 0.1 * i / count, i % 16) for i in range(count))
+
+
+PCD = ("VERSION 0.7\nFIELDS x y z intensity time ring\nSIZE 4 4 4 4 4 2\nTYPE F F F F F U\nCOUNT 1 1 1 1 1 1\n"
+       "WIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA {1}\n")
+PLY = ("ply\nformat {1} 1.0\nelement vertex {0}\nproperty float x\nproperty float y\nproperty float z\n"
+       "property float intensity\nproperty float time\nproperty ushort ring\nend_header\n")
+
+
+def lines(count):
+    return "".join(f"{5 + i} 1 -0.5 7 {0.1 * i / count} {i % 16}\n" for i in range(count))
+
+
+def compressed(count):
+    """Points column by column, as runs of LZF and one match."""
+    rows = points(count)
+    columns, at = b"", 0
+    for size in (4, 4, 4, 4, 4, 2):
+        columns += b"".join(rows[22 * i + at: 22 * i + at + size] for i in range(count))
+        at += size
+    packed = b"".join(bytes([len(columns[i:i + 32]) - 1]) + columns[i:i + 32] for i in range(0, len(columns), 32))
+    match = bytes([0, 0]) + bytes([0xE0, 22 * count - 1 - 9, 0])  # a zero, and as many more as the points take
+    return struct.pack("<II", len(packed), len(columns)) + packed, struct.pack("<II", len(match), 22 * count) + match
+
+
+def scan_inputs():
+    yield "pcd_ascii", b"\0" + (PCD.format(3, "ascii") + lines(3)).encode()
+    yield "pcd_binary", b"\0" + PCD.format(3, "binary").encode() + points(3)
+    for name, body in zip(("pcd_runs", "pcd_match"), compressed(3)):
+        yield name, b"\0" + PCD.format(3, "binary_compressed").encode() + body
+    yield "ply_ascii", b"\1" + (PLY.format(3, "ascii") + lines(3)).encode()
+    yield "ply_binary", b"\1" + PLY.format(3, "binary_little_endian").encode() + points(3)
+    yield "bin", b"\2" + points(3)
+    yield "columns", b"\3x y z intensity:u8 time:f64 ring:u16"
+
+
+def folder_files(parts):
+    """As files(), of any names; the last one ends as it does."""
+    texts = [f"=== {name}\n".encode() + (content if isinstance(content, bytes) else content.encode())
+             for name, content in parts.items()]
+    return b"\n".join(text.removesuffix(b"\n") for text in texts[:-1]) + b"\n" + texts[-1]
+
+
+def folder_inputs():
+    start = 1600000000 * 10**9
+    imu = "timestamp,wx,wy,wz,ax,ay,az\n" + "".join(f"{start + i * 10**7},0.01,0,0,0,0,9.8\n" for i in range(5))
+    yield "names", folder_files({"imu.csv": imu, "lidar/1600000000000000000.bin": points(12)})
+    yield "list", folder_files({"timestamps.txt": "1600000000.0\n1600000000.1\n", "imu.csv": imu,
+                                "lidar/0.bin": points(12), "lidar/1.bin": points(12)})
+    yield "pcd", folder_files({"imu.csv": imu.replace("timestamp", "# t [ns]"),
+                               "lidar/1600000000100000000.pcd": PCD.format(12, "binary").encode() + points(12)})
+    yield "ply", folder_files({"imu.csv": imu, "lidar/1600000000.2.ply": PLY.format(12, "ascii") + lines(12)})
+
+
 def inputs():
     """(target, name, bytes) of all."""
     for compression in ("none", "bz2", "lz4"):
@@ -408,7 +464,7 @@ def inputs():
     yield "csv", "updates", updates(6).encode()
     yield "text", "hostile", HOSTILE.encode() + b"\xff\0|`*[]{}$%_^~\\\r\n"
     for target, made in (("report", report_inputs), ("outcomes", outcome_inputs), ("study", study_inputs),
-                         ("kitti", kitti_inputs), ("packets", packet_inputs)):
+                         ("kitti", kitti_inputs), ("packets", packet_inputs), ("scan", scan_inputs), ("folder", folder_inputs)):
         for name, content in made():
             yield target, name, content
     for target, name, content in (

@@ -9,9 +9,10 @@
 
 #include "fuzz/target.hpp"
 
-#define ASLIO_FUZZ_TARGETS(use)                                                                                      \
-  use(bag) use(cloud) use(csv) use(imu) use(kitti) use(livox) use(outcomes) use(pipeline) use(plugin) use(recording) \
-      use(reference) use(report) use(scene) use(sensor) use(study) use(text) use(tum)
+#define ASLIO_FUZZ_TARGETS(use)                                                                                       \
+  use(bag) use(cloud) use(csv) use(folder) use(imu) use(kitti) use(livox) use(mcap) use(outcomes) use(packets)        \
+      use(pipeline) use(plugin) use(recording) use(reference) use(report) use(scan) use(scene) use(sensor) use(study) \
+          use(text) use(tum)
 
 namespace aslio::fuzz {
 

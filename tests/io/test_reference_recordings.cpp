@@ -63,9 +63,7 @@ std::filesystem::path write(const std::filesystem::path& path, const std::vector
 }
 
 Message pose(TimeNs t, double x) { return Message().header(t, "map").numbers({x, 2, 3, 0, 0, 1, 0}); }
-Message transform(TimeNs t, double x) {
-  return Message().header(t, "map").text("base").numbers({x, 2, 3, 0, 0, 1, 0});
-}
+Message transform(TimeNs t, double x) { return Message().header(t, "map").text("base").numbers({x, 2, 3, 0, 0, 1, 0}); }
 Message point(TimeNs t, double x) { return Message().header(t, "map").numbers({x, 2, 3}); }
 Message transforms(TimeNs t, double x) {
   Message m;
@@ -127,8 +125,8 @@ TEST_CASE("a topic is chosen, by its name where there are several") {
   ReferenceSpec spec = write(folder / "gt.bag", {{"/a", "geometry_msgs/PoseStamped", pose},
                                                  {"/b", "geometry_msgs/PointStamped", point},
                                                  {"/tf", "tf2_msgs/TFMessage", transforms}});
-  CHECK_THAT(data_error([&] { read_reference(spec); }),
-             Catch::Contains("there is more than one reference topic") && Catch::Contains("/b [geometry_msgs/PointStamped]"));
+  CHECK_THAT(data_error([&] { read_reference(spec); }), Catch::Contains("there is more than one reference topic") &&
+                                                            Catch::Contains("/b [geometry_msgs/PointStamped]"));
   spec.topic = "/b";
   check_ten(read_reference(spec), true);
   spec.topic = "/c";
@@ -137,8 +135,8 @@ TEST_CASE("a topic is chosen, by its name where there are several") {
 
 TEST_CASE("a transform is chosen by its frames") {
   const TemporaryFolder folder;
-  ReferenceSpec spec = write(folder / "gt.bag", {{"/a", "geometry_msgs/PoseStamped", pose},
-                                                 {"/tf", "tf2_msgs/TFMessage", transforms}});
+  ReferenceSpec spec =
+      write(folder / "gt.bag", {{"/a", "geometry_msgs/PoseStamped", pose}, {"/tf", "tf2_msgs/TFMessage", transforms}});
   spec.positions_only = PositionsOnly::no;
   spec.child_frame = "base";
   check_ten(read_reference(spec));
@@ -163,7 +161,8 @@ TEST_CASE("messages that are too short are left out and told") {
   };
   const Reference reference = read_reference(write(folder / "gt.bag", {{"/gt", "geometry_msgs/PoseStamped", cut}}));
   CHECK(reference.poses.size() == 9);
-  CHECK(contains(reference.warnings, "1 messages cannot be read and are left out; message 5: the message is too short"));
+  CHECK(
+      contains(reference.warnings, "1 messages cannot be read and are left out; message 5: the message is too short"));
 }
 
 TEST_CASE("poses are decoded from CDR as from ROS1") {

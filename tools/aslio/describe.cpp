@@ -126,10 +126,10 @@ int describe(const DescribeArguments& a) {
   }
   const std::size_t slash = a.what.find('/');
   if (a.markdown || slash == std::string::npos) {
-    throw ConfigError(
-        fmt::format("'{}' is unknown: name a stage as FAMILY/TYPE (windows/fixed; `aslio list` shows all), a family, a "
-                    "file ('pipeline', 'sensor', 'dataset', 'reference', 'scene' or 'study'), or --markdown for all stages",
-                    a.what));
+    throw ConfigError(fmt::format(
+        "'{}' is unknown: name a stage as FAMILY/TYPE (windows/fixed; `aslio list` shows all), a family, a "
+        "file ('pipeline', 'sensor', 'dataset', 'reference', 'scene' or 'study'), or --markdown for all stages",
+        a.what));
   }
   print(config::describe_stage(stages.catalog, a.what.substr(0, slash), a.what.substr(slash + 1)));
   return kSuccess;

@@ -113,6 +113,7 @@ std::string to_cdr(const Connection& ros1, std::span<const std::uint8_t> bytes, 
     case MessageKind::livox:
       copy_livox(in, to);
       break;
+    case MessageKind::packets:
     case MessageKind::other:
       return "no conversion of " + ros1.type + " to CDR";
   }

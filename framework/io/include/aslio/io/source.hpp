@@ -65,7 +65,7 @@ struct SensorConfig {
   // What is known of the IMU beforehand (docs/equations.md MOT-11): taken out of every sample that is read.
   Mat3 gyro_sensitivity = Mat3::Zero();                           ///< S: the gyro measures (I + S) w and a bias
   std::array<double, 3> gyro_signs{1, 1, 1}, acc_signs{1, 1, 1};  ///< -1: the axis points the other way
-  double imu_delay = 0;    ///< a sample tells of the motion this long before its stamp [s]
+  double imu_delay = 0;                    ///< a sample tells of the motion this long before its stamp [s]
   std::vector<NamedTransform> transforms;  ///< between further frames, for a reference in one of them
   bool from_file = false;  ///< a sensor file was read: its extrinsic is meant, also where it is the identity
 

@@ -15,9 +15,10 @@ std::unique_ptr<MessageReader> open_with_packets(std::span<const std::filesystem
   for (const std::filesystem::path& path : inputs) {
     if (!std::filesystem::is_regular_file(path, ignored) || !is_capture(path)) continue;
     if (inputs.size() == 1) return open_capture(path, sensor);
-    throw DataError(fmt::format("{}: a network capture cannot be one of several inputs: merge the captures with "
-                                "`mergecap -w all.pcap A.pcap B.pcap`",
-                                path.string()));
+    throw DataError(
+        fmt::format("{}: a network capture cannot be one of several inputs: merge the captures with "
+                    "`mergecap -w all.pcap A.pcap B.pcap`",
+                    path.string()));
   }
   return unpack_ouster(open_messages(inputs), inputs.front(), sensor);
 }

@@ -18,11 +18,11 @@ std::optional<PoseKind> pose_kind(std::string_view type);
 
 /// One pose of a message.
 struct ToldPose {
-  TimeNs t = 0;                          ///< of the header
-  std::string_view parent, child;        ///< frames; as long as the message lives
-  Vec3 p = Vec3::Zero();                 ///< [m]; of a fix: latitude [deg], longitude [deg], height [m]
-  std::array<double, 4> q{0, 0, 0, 0};   ///< x y z w as sent; zeros where there is none
-  bool valid = true;                     ///< false: a fix without satellites
+  TimeNs t = 0;                         ///< of the header
+  std::string_view parent, child;       ///< frames; as long as the message lives
+  Vec3 p = Vec3::Zero();                ///< [m]; of a fix: latitude [deg], longitude [deg], height [m]
+  std::array<double, 4> q{0, 0, 0, 0};  ///< x y z w as sent; zeros where there is none
+  bool valid = true;                    ///< false: a fix without satellites
 };
 
 /// Gives each pose to `take`. Returns an empty text, or what is wrong with the message.

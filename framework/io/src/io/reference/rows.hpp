@@ -16,9 +16,9 @@ struct ReferenceRow {
 
 struct ReferenceRows {
   std::vector<ReferenceRow> rows;
-  std::string source;                 ///< file, or file and topic
-  const char* place = "line";         ///< what ReferenceRow::line counts
-  bool positions_only = false;        ///< no orientation is written
+  std::string source;           ///< file, or file and topic
+  const char* place = "line";   ///< what ReferenceRow::line counts
+  bool positions_only = false;  ///< no orientation is written
   std::vector<std::string> notes, warnings;
 };
 

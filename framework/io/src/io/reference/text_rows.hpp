@@ -10,8 +10,8 @@
 
 namespace aslio::io {
 
-/// Goes through the rows in memory that does not grow with their number. A byte order mark, CR LF, empty lines and lines
-/// that begin with #, % or // are skipped.
+/// Goes through the rows in memory that does not grow with their number. A byte order mark, CR LF, empty lines and
+/// lines that begin with #, % or // are skipped.
 class TextRows {
  public:
   /// `text` has to outlive the rows; `source` is named in errors. The first row tells what is between the cells.
