@@ -15,7 +15,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 # What the program is linked with. A plugin is compiled against the headers, which need more.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-    "cmake, g++, pkg-config, libeigen3-dev, libyaml-cpp-dev, libspdlog-dev, libfmt-dev, nlohmann-json3-dev, libssl-dev, libbz2-dev, zlib1g-dev, liblz4-dev, libzstd-dev, libsqlite3-dev, libpcap-dev, catch2")
+    "cmake, g++, pkg-config, libeigen3-dev, libyaml-cpp-dev, libspdlog-dev, libfmt-dev, nlohmann-json3-dev, libssl-dev, libbz2-dev, libdeflate-dev, liblz4-dev, libzstd-dev, libsqlite3-dev, libpcap-dev, catch2")
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES experiments/quickstart.yaml DESTINATION ${CMAKE_INSTALL_DATADIR}/aslio/experiments)
