@@ -19,7 +19,7 @@ std::string foreign_format(ByteView& view) {
   const std::string_view start(reinterpret_cast<const char*>(view.at(0, count)), count);
   if (start.starts_with("#ROSBAG V1")) return "a bag of format 1; convert it with `rosbag fix`";
   if (start.starts_with("SQLite format 3")) return "a ROS2 bag (sqlite3); convert it with `rosbags-convert`";
-  if (start.starts_with("\x89MCAP")) return "an MCAP file; convert it with `rosbags-convert`";
+  if (start.starts_with("\x89MCAP")) return "an MCAP file, not a ROS1 bag";
   using Packed = std::pair<std::string_view, std::string_view>;  // first bytes, and the command that unpacks
   for (const auto& [magic, command] : {Packed("\xFD"
                                               "7zXZ",
