@@ -106,6 +106,10 @@ TEST_CASE("keys of a reference that is not there are refused, and a frame that i
   const Ended frame = bench.run("out", {"--reference", bench / "truth.tum", "--reference-set", "frame=base"});
   CHECK(frame.code == 2);
   CHECK_THAT(frame.err, Contains("no transform leads from frame 'imu' to 'base'; there are: imu, lidar"));
+  const Ended unknown = run_aslio(
+      {"evaluate", bench / "truth.tum", "--reference", bench / "truth.tum", "--reference-set", "frame=lidar"});
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, Contains("there are: none"));
   const Ended lidar = run_aslio({"evaluate", bench / "truth.tum", "--reference", bench / "truth.tum", "--reference-set",
                                  "frame=lidar", "--sensor", bench / "sensor.yaml", "--json"});
   REQUIRE(lidar.code == 0);

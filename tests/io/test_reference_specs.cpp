@@ -28,6 +28,11 @@ TEST_CASE("a plain path and a file of keys name a reference") {
   CHECK(pose_in_imu(plain).p == Vec3(1, 2, 3));
   std::ofstream(folder / "truth.yaml") << "schema: aslio/reference/1\nfile: gt/poses.txt\ntimes: times.txt\n"
                                           "association: at_reference\nmax_gap: 0.5\n";
+  CHECK_THAT(config_error([&] { (void)load_reference_spec(folder / "truth.yaml"); }),
+             Catch::Contains("truth.yaml: names what does not exist") && Catch::Contains("gt/poses.txt"));
+  std::filesystem::create_directory(folder / "gt");
+  std::ofstream(folder / "gt/poses.txt") << "0\n";
+  std::ofstream(folder / "times.txt") << "0\n";
   const ReferenceSpec spec = load_reference_spec(folder / "truth.yaml", {"time_offset=0.25"});
   CHECK(spec.file == (folder / "gt/poses.txt").string());
   CHECK(spec.times == (folder / "times.txt").string());

@@ -29,10 +29,10 @@ evaluation::Alignment alignment_of(const std::string& name) {
 }
 
 /// Poses of the IMU; the keys of a reference say what they are written as, and of which frame.
-std::vector<StampedPose> estimated_poses(const EvaluateArguments& a, const io::SensorConfig& sensor) {
+std::vector<StampedPose> estimated_poses(const EvaluateArguments& a, const io::SensorConfig* sensor) {
   io::ReferenceSpec spec = io::load_reference_spec(a.estimate, a.estimate_sets);
   if (spec.positions_only == io::PositionsOnly::automatic) spec.positions_only = io::PositionsOnly::no;
-  const experiment::Truth estimate = experiment::load_truth(spec, &sensor);
+  const experiment::Truth estimate = experiment::load_truth(spec, sensor);
   for (const std::string& warning : estimate.warnings) tell("warning: " + warning);
   std::vector<StampedPose> poses(estimate.trajectory.samples().begin(), estimate.trajectory.samples().end());
   for (StampedPose& pose : poses) pose.T.p += estimate.origin;
@@ -40,12 +40,14 @@ std::vector<StampedPose> estimated_poses(const EvaluateArguments& a, const io::S
 }
 
 int evaluate(const EvaluateArguments& a) {
-  io::SensorConfig sensor;
+  io::SensorConfig read;
+  const io::SensorConfig* sensor = nullptr;  // one that was not read has no transform
   if (!a.sensor.empty()) {
-    sensor = config::load<io::SensorConfig>(a.sensor, config::FileKind::sensor, load_stages({}).catalog).value;
+    read = config::load<io::SensorConfig>(a.sensor, config::FileKind::sensor, load_stages({}).catalog).value;
+    sensor = &read;
   }
   const auto estimate = estimated_poses(a, sensor);
-  const auto truth = experiment::load_truth(io::load_reference_spec(a.reference, a.reference_sets), &sensor);
+  const auto truth = experiment::load_truth(io::load_reference_spec(a.reference, a.reference_sets), sensor);
   evaluation::Options options = truth.options();
   if (a.evo) options.rule = evaluation::Rule::evo;
   options.alignment = alignment_of(a.alignment);

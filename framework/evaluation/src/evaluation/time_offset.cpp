@@ -17,7 +17,7 @@ constexpr double kNear = 0.5, kFar = 60.0;        // [s]
 constexpr double kStep = 0.05;                    // [s] of the search within kNear
 constexpr double kSpeedStep = 0.2;                // [s] of the speeds
 constexpr double kSmallest = 0.005;               // [s], [m] no offset, and no error, below it is worth a word
-constexpr double kClearShare = 0.8;               // of the error that is left
+constexpr double kClearShare = 0.6;               // of the error that is left: of one that drifts more is
 constexpr double kAlike = 0.8, kMoreAlike = 0.2;  // correlations of speeds
 
 class Fit {

@@ -87,14 +87,17 @@ Dataset load_dataset(const fs::path& path) {
   const std::string text = config::read_text(dataset.file);
   config.reference_as_text = names_reference_as_text(text, dataset.file.string());
   using Wanted = config::NamedPaths::Wanted;
-  dataset.resolved = config::bind_text(text, dataset.file.string(), config::FileKind::dataset, plugin::Catalog(), {},
-                                       [&](config::Binder& b) {
-                                         DatasetConfig::describe(b, config);
-                                         paths.require(b, "input", config.input, Wanted::file_or_folder);
-                                         paths.require(b, "sensor", config.sensor, Wanted::file);
-                                         paths.require(b, "reference", config.reference.file, Wanted::file_or_folder);
-                                       })
-                         .resolved;
+  dataset.resolved =
+      config::bind_text(text, dataset.file.string(), config::FileKind::dataset, plugin::Catalog(), {},
+                        [&](config::Binder& b) {
+                          DatasetConfig::describe(b, config);
+                          paths.require(b, "input", config.input, Wanted::file_or_folder);
+                          paths.require(b, "sensor", config.sensor, Wanted::file);
+                          // A folder is a recording: the block says so.
+                          paths.require(b, "reference", config.reference.file,
+                                        config.reference_as_text ? Wanted::file : Wanted::file_or_folder);
+                        })
+          .resolved;
   dataset.name = config.name.empty() ? default_name(dataset.file) : config.name;
   dataset.description = config.description;
   dataset.input = paths.at(config.input);

@@ -13,7 +13,7 @@ struct TimeOffset {
   double rmse_after = 0;   ///< [m] with the offset
 };
 
-/// The offset at which the positions fit best, where it lowers their error by more than a fifth; nothing where none
+/// The offset at which the positions fit best, where it lowers their error by more than two fifths; nothing where none
 /// does, or where too little is in common to tell. Looks within 0.5 s, and within a minute where the speeds of the two
 /// then agree far better. eq. EVAL-13
 std::optional<TimeOffset> find_time_offset(const Trajectory& estimate, const Trajectory& reference, TimeNs max_gap);

@@ -10,14 +10,14 @@
 namespace aslio::io {
 namespace {
 
-constexpr std::array<TimeUnit, 4> kUnits{{{"s", 9}, {"ms", 6}, {"us", 3}, {"ns", 0}}};
+constexpr std::array<DecimalUnit, 4> kUnits{{{"s", 9}, {"ms", 6}, {"us", 3}, {"ns", 0}}};
 
-double seconds(double value, const TimeUnit& unit) { return value * std::pow(10.0, unit.power - 9); }
+double seconds(double value, const DecimalUnit& unit) { return value * std::pow(10.0, unit.power - 9); }
 
 /// What lies between 1990 and 2100 as a time since 1970: no two units fit.
-const TimeUnit* unit_of_epoch(double value) {
+const DecimalUnit* unit_of_epoch(double value) {
   constexpr double kFrom = 6.3e8, kTo = 4.1e9;
-  const auto fits = [value](const TimeUnit& unit) {
+  const auto fits = [value](const DecimalUnit& unit) {
     return seconds(value, unit) > kFrom && seconds(value, unit) < kTo;
   };
   const auto found = std::find_if(kUnits.begin(), kUnits.end(), fits);
@@ -90,7 +90,7 @@ double Decimal::value() const {
   return negative ? -magnitude : magnitude;
 }
 
-const TimeUnit* judge_time_unit(std::span<const Decimal> times, double least_step, double largest_step) {
+const DecimalUnit* judge_time_unit(std::span<const Decimal> times, double least_step, double largest_step) {
   if (times.empty()) return nullptr;
   std::vector<double> steps;
   for (std::size_t i = 1; i < times.size(); ++i) {
@@ -99,7 +99,7 @@ const TimeUnit* judge_time_unit(std::span<const Decimal> times, double least_ste
   if (steps.empty()) return unit_of_epoch(times.front().value());
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  const auto fits = [&](const TimeUnit& unit) {
+  const auto fits = [&](const DecimalUnit& unit) {
     return seconds(*middle, unit) >= least_step && seconds(*middle, unit) < largest_step;
   };
   const auto found = std::find_if(kUnits.begin(), kUnits.end(), fits);

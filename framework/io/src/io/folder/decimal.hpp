@@ -24,13 +24,13 @@ struct Decimal {
 };
 
 /// A unit of times, as a power of ten of nanoseconds.
-struct TimeUnit {
+struct DecimalUnit {
   std::string_view name;
   int power;
 };
 
 /// The unit in which the median step between successive times lies within bounds [s]; these must be less than a factor
 /// of 1000 apart, so that one unit fits at most. Times that do not step are taken for time since 1970. nullptr: none.
-const TimeUnit* judge_time_unit(std::span<const Decimal> times, double least_step, double largest_step);
+const DecimalUnit* judge_time_unit(std::span<const Decimal> times, double least_step, double largest_step);
 
 }  // namespace aslio::io

@@ -202,7 +202,7 @@ class ImuTableReader {
     constexpr double kLeastStep = 3e-4, kLargestStep = 0.299;
     std::vector<Decimal> times;
     for (const Row& row : waiting_) times.push_back(row.time);
-    const TimeUnit* unit = judge_time_unit(times, kLeastStep, kLargestStep);
+    const DecimalUnit* unit = judge_time_unit(times, kLeastStep, kLargestStep);
     if (unit == nullptr && !waiting_.empty()) {
       throw DataError(
           fmt::format("{}: the steps of its times are those of an IMU (3.3 to 3300 Hz) in none of s, ms, us, "

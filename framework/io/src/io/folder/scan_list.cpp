@@ -139,7 +139,7 @@ class ScanLister {
     constexpr double kLeast = 0.03, kMost = 29;  // sweeps: scans may be parts of one, or be left out
     std::vector<Decimal> sorted = times;
     std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.value() < b.value(); });
-    const TimeUnit* unit = judge_time_unit(sorted, kLeast * sweep_period_, kMost * sweep_period_);
+    const DecimalUnit* unit = judge_time_unit(sorted, kLeast * sweep_period_, kMost * sweep_period_);
     if (unit == nullptr) {
       throw DataError(
           fmt::format("{}: times {}: their steps are a sweep of {} s in none of s, ms, us, ns; check "

@@ -159,6 +159,12 @@ ReferenceSpec load_reference_spec(const std::filesystem::path& path, const std::
   }
   spec.file = beside(path.parent_path(), spec.file).string();
   if (!spec.times.empty()) spec.times = beside(path.parent_path(), spec.times).string();
+  for (const std::string& named : {spec.file, spec.times}) {
+    std::error_code ignored;
+    if (named.empty() || std::filesystem::exists(named, ignored)) continue;
+    throw ConfigError(
+        fmt::format("{}: names what does not exist: {} (paths are relative to its folder)", path.string(), named));
+  }
   return spec;
 }
 
