@@ -209,8 +209,8 @@ TEST_CASE("flipped bits in an MCAP file without checksums are survived") {
 TEST_CASE("giant lengths anywhere in an MCAP file are survived in bounded memory") {
   McapOptions options = small_chunks(GENERATE(from_range(kCompressions)));
   options.summary = GENERATE(true, false);
-  const std::size_t count = GENERATE(std::size_t{4}, std::size_t{7}, std::size_t{8});
-  options.crc = count != 7;
+  const std::size_t count = GENERATE(std::size_t{4}, std::size_t{8});
+  options.crc = count == 4;
   const Sample sample(options);
   forget_peak();
   const std::size_t before = peak_memory();
