@@ -304,4 +304,48 @@ TEST_CASE("the signs of the axes of an IMU can be turned round") {
   CHECK(samples[0].gyro == Vec3(0.01, -0.02, -0.03));
 }
 
+TEST_CASE("large chunks are read, beside topics that nobody asked for") {
+  TemporaryFolder folder;
+  const auto write = [&](rosbag::WriterOptions options, std::size_t bytes) {
+    rosbag::BagWriter bag(folder / "a.bag", options);
+    const auto add = [&](const std::string& topic, const rosbag::MessageType& type) {
+      return bag.add_connection(topic, std::string(type.name), std::string(type.md5), std::string(type.definition));
+    };
+    const std::uint32_t imu = add("/imu", rosbag::kImu), lidar = add("/lidar", rosbag::kLivoxCustomMsg);
+    const std::uint32_t blob =
+        bag.add_connection("/blob", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data");
+    std::vector<std::uint8_t> message;
+    for (int i = 0; i < 30; ++i) {
+      const TimeNs stamp = kStart + i * kSecond / 100;
+      rosbag::encode_imu({0, stamp, ""}, Vec3(0.01, 0, 0), Vec3(0, 0, 9.8), message);
+      bag.write(imu, stamp, message);
+      if (i % 10 == 0) bag.write(lidar, stamp, livox_message(stamp, stamp, 20));
+    }
+    std::vector<std::uint8_t> large(bytes);
+    std::uint32_t state = 1;
+    for (std::uint8_t& byte : large) byte = static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24U);
+    bag.write(blob, kStart + kSecond, large);
+    bag.close();
+  };
+  SECTION("of lz4, 66 MiB") { write({rosbag::Compression::lz4, 400U << 20U, true}, 66U << 20U); }
+  SECTION("uncompressed, 257 MiB") { write({rosbag::Compression::none, 400U << 20U, true}, 257U << 20U); }
+  CHECK(inspect(folder / "a.bag").usable);
+  CHECK(drain(*open_source(folder / "a.bag", {})).packets == 3);
+}
+
+TEST_CASE("inspection drafts the sensor file that fits") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.acc = {0, 0, 1};
+  recording.write(folder / "a.bag");
+  const std::string draft = draft_sensor(inspect(folder / "a.bag"));
+  for (const char* line : {"lidar_topic: '/livox/lidar'", "imu_topic: '/livox/imu'", "acc_unit: g", "gyro_unit: rad_s",
+                           "sweep_period: 0.100", "scan_lines: 6", "T_imu_lidar:"}) {
+    CHECK(contains(draft, line));
+  }
+  recording.imu_type = rosbag::kPointCloud2;  // none is left
+  recording.write(folder / "b.bag");
+  CHECK(contains(data_error([&] { draft_sensor(inspect(folder / "b.bag")); }), "it has no IMU topic that can be used"));
+}
+
 }  // namespace aslio::io::test

@@ -30,15 +30,20 @@ void require_one_source(const RecordingArguments& a) {
 
 }  // namespace
 
+CLI::Validator existing_input() {
+  return CLI::Validator(
+      [](const std::string& path) { return io::is_input(path) ? std::string{} : "Path does not exist: " + path; },
+      "PATH");
+}
+
 void add_recording_options(CLI::App& app, RecordingArguments& a) {
   app.add_option(
          "--input", a.inputs,
-         "recording: a bag (.bag, .db3), a folder or pattern of its parts, or a KITTI raw drive; goes with --sensor; "
-         "given several times, the inputs are one recording")
+         "recording: a bag (.bag, .mcap, .db3), a network capture, a folder or pattern of parts, or a folder of files; "
+         "goes with --sensor; given several times, the inputs are one recording")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->check(
-          [](const std::string& path) { return io::is_input(path) ? std::string{} : "Path does not exist: " + path; });
+      ->check(existing_input());
   app.add_option("--dataset", a.dataset,
                  "dataset file (schema: aslio/dataset/1) or a folder with dataset.yaml: names input, sensor, reference "
                  "and section; other options override it")

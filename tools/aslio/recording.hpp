@@ -27,6 +27,9 @@ struct Recording {
   bool closed_loop = false;  ///< only where a dataset or --closed-loop says so
 };
 
+/// Checks that an input exists, or is a pattern.
+CLI::Validator existing_input();
+
 void add_recording_options(CLI::App& app, RecordingArguments& a);
 
 /// What the dataset names, less what the command line names itself. Throws ConfigError when something is missing or

@@ -84,6 +84,8 @@ class TopicProbe {
     try {
       const decode::ImuUnits units = decode::judge_imu_units(beginning_.samples(), sensor_, where_);
       notes_.verdicts = units.verdicts;
+      report_.acc_unit = units.acc == 1 ? "mps2" : "g";
+      report_.gyro_unit = units.gyro == 1 ? "rad_s" : "deg_s";
       notes_.warnings = units.warnings;
       note_imu_rate(beginning_.samples(), notes_);
       for (const std::string& text : {gyro_range_.beyond(units), gyro_range_.doubt(sensor_.gyro_unit)}) {
@@ -111,6 +113,7 @@ class TopicProbe {
       ++report_.malformed;
     } else {
       points_ += packet.points.size();
+      for (const TimedPoint& p : packet.points) report_.lines = std::max(report_.lines, p.line + 1);
       report_.empty += packet.points.empty() ? 1 : 0;
     }
   }

@@ -61,7 +61,7 @@ void DatasetConfig::describe(config::Binder& b, DatasetConfig& dataset) {
   b.text("name", dataset.name, "name in tables; empty: the name of the file, or of its folder for dataset.yaml");
   b.text("description", dataset.description, "what the recording is");
   b.text("input", dataset.input,
-         "recording: a bag (.bag, .db3), a folder of its parts, or a KITTI raw drive; required");
+         "recording: a bag (.bag, .mcap, .db3), a network capture, a folder of parts, or a folder of files; required");
   b.text("sensor", dataset.sensor, "sensor file that fits the input; required");
   if (dataset.reference_as_text) {
     b.text("reference", dataset.reference.file, "trajectory, table, recording or reference file; empty: none");

@@ -25,6 +25,8 @@ struct TopicReport {
   double points_per_message = 0;      ///< LiDAR: those kept
   std::uint64_t empty = 0;            ///< LiDAR: messages without a point that is kept
   std::uint64_t malformed = 0;        ///< messages that cannot be decoded
+  int lines = 0;                      ///< LiDAR: highest line of a point, and one
+  std::string acc_unit, gyro_unit;    ///< IMU: as found, in the words of a sensor file
   std::string fields;                 ///< PointCloud2: the field table
   std::vector<std::string> verdicts;  ///< units, point times
   std::string problem;                ///< why the topic cannot be used; empty: it can
@@ -50,5 +52,9 @@ InputReport inspect(const std::filesystem::path& path, const SensorConfig& senso
 
 /// Aligned text of many lines, for people.
 std::string render(const InputReport& report);
+
+/// A sensor file that fits what was found: topics, units, sweep period, scan lines. What data cannot tell (extrinsic,
+/// noise) stands there with a remark. Throws DataError where there is not one LiDAR and one IMU topic that can be used.
+std::string draft_sensor(const InputReport& report);
 
 }  // namespace aslio::io

@@ -47,11 +47,15 @@ void ChunkLoader::decompress_into(std::uint64_t position, const Record& chunk, b
   }
   const std::uint64_t declared = chunk.size.value_or(0);
   if (declared > limits_.chunk_bytes) {
-    damaged(position, fmt::format("it decompresses to {} bytes (at most {})", declared, limits_.chunk_bytes));
+    throw DataError(fmt::format(
+        "{}: the chunk at offset {} decompresses to {} bytes, where at most {} are read at once; write the bag "
+        "with smaller chunks: `rosbag filter IN.bag OUT.bag True`",
+        file_.path().string(), position, declared, limits_.chunk_bytes));
   }
-  if (declared > limits_.chunk_ratio * std::max<std::uint64_t>(chunk.data_bytes, 1)) {
+  const std::uint64_t ratio = lz4 ? limits_.lz4_ratio : limits_.bz2_ratio;
+  if (declared > ratio * std::max<std::uint64_t>(chunk.data_bytes, 1)) {
     damaged(position, fmt::format("{} bytes claim to decompress to {} (at most {} times as many)", chunk.data_bytes,
-                                  declared, limits_.chunk_ratio));
+                                  declared, ratio));
   }
   // Incompressible data grow a little; far more than the content is no honest chunk.
   if (chunk.data_bytes > declared + declared / 4 + 4096) {

@@ -17,9 +17,10 @@ namespace aslio::io::rosbag {
 
 /// What a reader accepts before it refuses a file as damaged or hostile.
 struct Limits {
-  std::uint64_t record_bytes = 256U << 20U;       ///< longest record
-  std::uint64_t chunk_bytes = 64U << 20U;         ///< longest compressed chunk once decompressed
-  std::uint64_t chunk_ratio = 200;                ///< decompressed over compressed size
+  std::uint64_t record_bytes = 2U << 30U;         ///< longest record; an uncompressed chunk is one, read in parts
+  std::uint64_t chunk_bytes = 1U << 30U;          ///< longest compressed chunk once decompressed
+  std::uint64_t lz4_ratio = 256;                  ///< decompressed over compressed size: what the format can reach
+  std::uint64_t bz2_ratio = 65'536;               ///< the same of bz2
   std::uint64_t header_bytes = 1U << 20U;         ///< longest record header or connection description
   std::uint64_t merged_chunk_bytes = 64U << 20U;  ///< decompressed chunks held at once to put messages in order
   std::size_t connections = 4096;
