@@ -4,9 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <thread>
 
 #include "aslio/core/errors.hpp"
@@ -14,6 +17,7 @@
 #include "aslio/experiment/study_run.hpp"
 #include "aslio/experiment/study_slurm.hpp"
 #include "aslio/experiment/study_status.hpp"
+#include "slurm_queue.hpp"
 #include "study_files.hpp"
 
 using namespace aslio::test;
@@ -154,6 +158,35 @@ TEST_CASE("nobody is at work when the cluster has refused") {
   CHECK_THAT(answer, Contains("sbatch refuses: "));
   CHECK(fs::exists(files.folder / "out/slurm"));
   CHECK_FALSE(read_status(files.folder / "out").at_work);
+}
+
+TEST_CASE("a site's notes beside the job id are no job id") {
+  const auto submitted = [](const std::string& script) {
+    const StudyFiles files;
+    const fs::path bin = fs::path(files.folder / "bin");
+    fs::create_directories(bin);
+    write_text(bin / "sbatch", "#!/bin/sh\necho called >> '" + (bin / "calls").string() + "'\n" + script);
+    fs::permissions(bin / "sbatch", fs::perms::owner_all);
+    const std::string path = std::getenv("PATH");
+    ::setenv("PATH", (bin.string() + ":" + path).c_str(), 1);
+    std::string answer;
+    try {
+      SlurmOptions options;
+      SlurmQueue queue(files.folder / "slurm", options);
+      answer = queue.submit({"one", "two"}, 1).value().job;
+    } catch (const aslio::ConfigError& error) {
+      answer = error.what();
+    }
+    ::setenv("PATH", path.c_str(), 1);
+    std::ifstream calls(bin / "calls");
+    CHECK(std::count(std::istreambuf_iterator<char>(calls), {}, '\n') == 1);
+    return answer;
+  };
+  CHECK(submitted("echo 'site note: queue chosen for you' >&2\necho 4242\n") == "4242");
+  CHECK(submitted("echo '2026-01-01 a note'\necho '2026-01-01 another'\necho 4242\n") == "4242");
+  CHECK(submitted("echo '4242;cluster1'\n") == "4242");
+  CHECK_THAT(submitted("echo Submitted batch job\n"),
+             Contains("sbatch printed no job id") && Contains("Submitted batch job"));
 }
 
 TEST_CASE("folders of the same runs compare as equal, whatever the clock said") {

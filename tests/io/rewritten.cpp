@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "aslio/core/sha256.hpp"
 #include "aslio/io/cdr.hpp"
 #include "aslio/io/rosbag/messages.hpp"
 #include "aslio/io/rosbag/reader.hpp"
@@ -28,6 +29,60 @@ std::vector<std::string> measurements(MeasurementSource& source) {
     all.push_back(std::move(line));
   }
   return all;
+}
+
+std::string digest(MeasurementSource& source) {
+  Sha256 sha;
+  const auto add = [&sha](const auto& value) { sha.add(&value, sizeof(value)); };
+  while (const auto measurement = source.next()) {
+    if (const auto* imu = std::get_if<ImuSample>(&*measurement)) {
+      add(imu->t);
+      sha.add(imu->gyro.data(), 3 * sizeof(double));
+      sha.add(imu->acc.data(), 3 * sizeof(double));
+      continue;
+    }
+    const auto& packet = std::get<LidarPacket>(*measurement);
+    add(packet.stamp);
+    add(packet.dropped_invalid);
+    for (const TimedPoint& p : packet.points) {
+      add(p.t);
+      add(p.x);
+      add(p.y);
+      add(p.z);
+      add(p.intensity);
+      add(p.line);
+      add(p.tag);
+    }
+  }
+  return sha.hex();
+}
+
+namespace {
+
+class McapFile final : public MessageWriter {
+ public:
+  McapFile(std::filesystem::path path, const McapOptions& options) : path_(std::move(path)), writer_(options) {}
+
+  std::uint32_t add(const Connection& connection) override {
+    const bool ros1 = connection.encoding == Encoding::ros1;
+    const std::uint16_t schema =
+        writer_.add_schema(connection.type, ros1 ? "ros1msg" : "ros2msg", connection.definition);
+    return writer_.add_channel(connection.topic, schema, ros1 ? "ros1" : "cdr");
+  }
+  void write(std::uint32_t connection, TimeNs time, std::span<const std::uint8_t> bytes) override {
+    writer_.write(static_cast<std::uint16_t>(connection), time, {bytes.begin(), bytes.end()});
+  }
+  void close() override { write_bytes(path_, writer_.close()); }
+
+ private:
+  std::filesystem::path path_;
+  McapWriter writer_;
+};
+
+}  // namespace
+
+std::unique_ptr<MessageWriter> mcap_writer(const std::filesystem::path& path, const McapOptions& options) {
+  return std::make_unique<McapFile>(path, options);
 }
 
 std::vector<std::uint8_t> cloud_message(TimeNs stamp) {

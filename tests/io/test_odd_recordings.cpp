@@ -348,4 +348,28 @@ TEST_CASE("inspection drafts the sensor file that fits") {
   CHECK(contains(data_error([&] { draft_sensor(inspect(folder / "b.bag")); }), "it has no IMU topic that can be used"));
 }
 
+TEST_CASE("a bag that was written topic after topic is refused") {
+  TemporaryFolder folder;
+  Recording recording;
+  recording.seconds = 30;
+  recording.write(folder / "a.bag");
+  for (const bool imu_first : {true, false}) {
+    rosbag::BagReader reader(folder / "a.bag");
+    std::vector<Connection> connections = reader.connections();
+    if (!imu_first) std::reverse(connections.begin(), connections.end());
+    rosbag::BagWriter writer(folder / "b.bag");
+    TimeNs written = kStart;
+    for (const Connection& c : connections) {
+      const std::uint32_t id = writer.add(c);
+      reader.select({&c.id, 1});
+      for (rosbag::BagMessage message; reader.next(message);)
+        writer.write(id, written += kSecond / 1000, message.bytes);
+    }
+    writer.close();
+    const std::string text = data_error([&] { open_source(folder / "b.bag", {}); });
+    CHECK(contains(text, "the topics were written one after the other"));
+    CHECK(contains(text, imu_first ? "the messages of '/livox/lidar' come" : "the messages of '/livox/imu' come"));
+  }
+}
+
 }  // namespace aslio::io::test

@@ -7,7 +7,9 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <mutex>
+#include <string_view>
 #include <system_error>
 
 #include "aslio/core/errors.hpp"
@@ -53,7 +55,8 @@ void tell(std::string_view line) {
 
 void complain(std::string_view message) { tell(fmt::format("error: {}", message)); }
 
-void show_bar(std::string_view text) { put(stderr, "\r\033[K" + printable(text)); }
+/// A line that is wider than the terminal would begin a new one each time.
+void show_bar(std::string_view text) { put(stderr, "\r\033[K" + printable(text.substr(0, terminal_width() - 1))); }
 
 void clear_bar() {
   if (stderr_is_terminal()) put(stderr, "\r\033[K");
@@ -73,7 +76,11 @@ std::size_t terminal_width() {
   return known ? size.ws_col : 80;
 }
 
-bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) == 1; }
+bool stderr_is_terminal() {
+  const char* term = std::getenv("TERM");
+  const bool dumb = term == nullptr || *term == '\0' || std::string_view(term) == "dumb";
+  return ::isatty(STDERR_FILENO) == 1 && !dumb;
+}
 
 std::shared_ptr<spdlog::logger> make_logger(bool quiet) {
   auto logger = std::make_shared<spdlog::logger>("aslio", std::make_shared<TellingSink>());

@@ -51,6 +51,8 @@ class RecordingSource final : public MeasurementSource {
     std::vector<std::uint32_t> both = lidar_ids_;
     both.insert(both.end(), imu_ids_.begin(), imu_ids_.end());
     reader_->select(both);
+    refuse_topic_after_topic(imu.front().topic, lidar.front().topic);
+    reader_->select(both);
     add_reader_warnings();
   }
 
@@ -58,7 +60,7 @@ class RecordingSource final : public MeasurementSource {
     if (auto waiting = next_sample()) return waiting;
     RawMessage message;
     while (!past_section() && reader_->next(message)) {
-      const bool is_imu_message = std::find(imu_ids_.begin(), imu_ids_.end(), message.connection) != imu_ids_.end();
+      const bool is_imu_message = is_of_imu(message);
       const auto stamp = stamp_of(message, is_imu_message);
       const bool ahead = stamp && is_far_ahead(message, is_imu_message);
       TimeNs& newest = is_imu_message ? newest_imu_ : newest_lidar_;
@@ -105,6 +107,10 @@ class RecordingSource final : public MeasurementSource {
     // Only the points know: by the time of recording, on the IMU's clock.
     if (decoder_->own_clock()) return message.time + imu_clock_.offset().value_or(0) - units_.delay;
     return *stamp + lidar_offset_;
+  }
+
+  bool is_of_imu(const RawMessage& message) const {
+    return std::find(imu_ids_.begin(), imu_ids_.end(), message.connection) != imu_ids_.end();
   }
 
   bool is_far_ahead(const RawMessage& message, bool is_imu_message) const {
@@ -220,6 +226,29 @@ class RecordingSource final : public MeasurementSource {
         name_, imu_topic, lidar_topic, to_seconds(apart(lidar)), to_seconds(most), lie(imu), lie(of_lidar(lidar)),
         imu_off ? imu_topic : lidar_topic, imu_off ? "imu_time_offset" : "lidar_time_offset",
         to_seconds(imu_off ? of_lidar(lidar) - imu : imu - of_lidar(lidar))));
+  }
+
+  /// A script may write all messages of one topic, then those of the other. What waits for its other half so long would
+  /// be dropped. Pre: both topics are selected.
+  void refuse_topic_after_topic(const std::string& imu_topic, const std::string& lidar_topic) {
+    if (received_ || decoder_->own_clock()) return;
+    constexpr TimeNs kWaits = 2 * kSecond;  // less than what a pipeline keeps of one sensor without the other
+    constexpr int kEnough = 3;              // messages; a single stamp may be damaged
+    std::optional<bool> first;
+    int late = 0;
+    for (RawMessage message; late < kEnough && reader_->next(message);) {
+      const bool is_imu_message = is_of_imu(message);
+      if (first.value_or(is_imu_message) != is_imu_message) return;
+      first = is_imu_message;
+      const TimeNs other = is_imu_message ? lidar_clock_.begin() + lidar_offset_ : imu_clock_.begin() - units_.delay;
+      late += stamp_of(message, is_imu_message).value_or(other) > other + kWaits ? 1 : 0;
+    }
+    if (late < kEnough) return;
+    throw DataError(
+        fmt::format("{}: the messages of '{}' come {} s and more after those of '{}' with the same stamps: the "
+                    "topics were written one after the other; write the bag with the header stamps as times of "
+                    "recording",
+                    name_, *first ? lidar_topic : imu_topic, kWaits / kSecond, *first ? imu_topic : lidar_topic));
   }
 
   /// A part of a second is no other clock, but more than recorders delay a topic: a sweep is received at its end.

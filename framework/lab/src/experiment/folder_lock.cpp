@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
 #include "aslio/core/errors.hpp"
@@ -16,6 +18,21 @@
 namespace aslio::experiment {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// File systems of clusters may lack flock.
+bool has_no_locks(int error) { return error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP; }
+
+void warn_once(const fs::path& folder) {
+  static std::once_flag once;
+  std::call_once(once, [&] {
+    fmt::print(stderr, "warning: {}: this file system has no file locks; start nothing else in this folder meanwhile\n",
+               folder.string());
+  });
+}
+
+}  // namespace
 
 FolderLock::~FolderLock() {
   if (file_ >= 0) ::close(file_);
@@ -39,6 +56,10 @@ std::optional<FolderLock> FolderLock::take(const fs::path& folder, bool exclusiv
     }
     if (!lock.change(exclusive)) {
       if (errno == EWOULDBLOCK || errno == EINTR) return std::nullopt;
+      if (has_no_locks(errno)) {
+        warn_once(folder);
+        return lock;
+      }
       throw DataError(fmt::format("{}: cannot be locked: {}; name a folder on a file system with file locks (flock)",
                                   folder.string(), std::strerror(errno)));
     }

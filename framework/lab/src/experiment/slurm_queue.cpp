@@ -29,21 +29,27 @@ constexpr std::chrono::seconds kPatience{120};  // Slurm itself gives up on its 
 
 struct Answer {
   int code = 0;
-  std::string text;  ///< stdout and stderr
+  std::string out, error;  ///< what it wrote to stdout and stderr
+  std::string text() const { return out + (out.empty() || out.ends_with('\n') ? "" : "\n") + error; }
 };
 
 /// False: the end of what the other side writes has not come in time.
-bool read_all(int file, std::string& text) {
+bool read_all(std::array<int, 2> files, Answer& answer) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   std::array<char, 4096> buffer{};
   while (true) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
     if (left.count() <= 0) return false;
-    pollfd wait{.fd = file, .events = POLLIN, .revents = 0};
-    if (::poll(&wait, 1, static_cast<int>(left.count())) <= 0) continue;
-    const ssize_t got = ::read(file, buffer.data(), buffer.size());
-    if (got > 0) text.append(buffer.data(), static_cast<std::size_t>(got));
-    if (got == 0 || (got < 0 && errno != EINTR)) return true;
+    std::array<pollfd, 2> wait{};
+    for (std::size_t i = 0; i < 2; ++i) wait[i] = {.fd = files[i], .events = POLLIN, .revents = 0};  // -1: passed over
+    if (::poll(wait.data(), wait.size(), static_cast<int>(left.count())) <= 0) continue;
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (files[i] < 0 || wait[i].revents == 0) continue;
+      const ssize_t got = ::read(files[i], buffer.data(), buffer.size());
+      if (got > 0) (i == 0 ? answer.out : answer.error).append(buffer.data(), static_cast<std::size_t>(got));
+      if (got == 0 || (got < 0 && errno != EINTR)) files[i] = -1;
+    }
+    if (files[0] < 0 && files[1] < 0) return true;
   }
 }
 
@@ -53,26 +59,30 @@ Answer ask(const std::vector<std::string>& words) {
   std::vector<char*> argv;
   for (std::string& word : copy) argv.push_back(word.data());
   argv.push_back(nullptr);
-  std::array<int, 2> ends{-1, -1};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw DataError("no pipe can be made for " + words.front());
+  std::array<int, 2> ends{-1, -1}, error_ends{-1, -1};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0 || ::pipe2(error_ends.data(), O_CLOEXEC) != 0) {
+    throw DataError("no pipe can be made for " + words.front());
+  }
   const pid_t id = ::fork();
   if (id < 0) throw DataError(words.front() + " cannot be started");
   if (id == 0) {
     ::dup2(ends[1], STDOUT_FILENO);
-    ::dup2(ends[1], STDERR_FILENO);
+    ::dup2(error_ends[1], STDERR_FILENO);
     ::execvp(argv[0], argv.data());
     ::_exit(kNotFound);
   }
   ::close(ends[1]);
+  ::close(error_ends[1]);
   Answer answer;
-  const bool in_time = read_all(ends[0], answer.text);
+  const bool in_time = read_all({ends[0], error_ends[0]}, answer);
   ::close(ends[0]);
+  ::close(error_ends[0]);
   if (!in_time) ::kill(id, SIGKILL);
   int status = 0;
   while (::waitpid(id, &status, 0) < 0 && errno == EINTR) {
   }
   answer.code = in_time && WIFEXITED(status) ? WEXITSTATUS(status) : 1;
-  if (!in_time) answer.text += "timed out";
+  if (!in_time) answer.error += "timed out";
   if (answer.code == kNotFound) {
     throw ConfigError(
         fmt::format("--executor slurm: {} cannot be started; call this where Slurm's commands are, or leave the option "
@@ -88,6 +98,17 @@ bool unreachable(const std::string& answer) {
       "contact slurm", "timed out", "onnection", "temporarily", "Zero Bytes were transmitted", "protocol"};
   return std::any_of(kWords.begin(), kWords.end(),
                      [&](std::string_view word) { return answer.find(word) != std::string::npos; });
+}
+
+/// The last line that is `digits` or `digits;cluster`: sites print notes before it. Empty: there is none.
+std::string job_id(const std::string& out) {
+  std::istringstream lines(out);
+  std::string id;
+  for (std::string line; std::getline(lines, line);) {
+    const std::string number = line.substr(0, line.find(';'));
+    if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) id = number;
+  }
+  return id;
 }
 
 std::string quoted(const std::string& word) {
@@ -179,20 +200,27 @@ std::optional<SlurmArray> SlurmQueue::submit(const std::vector<std::string>& nam
   words.push_back((array.folder / "job.sh").string());
   const Answer answer = ask(words);
   if (answer.code == 0) {
-    array.job = answer.text.substr(0, answer.text.find_first_of(";\n"));
+    array.job = job_id(answer.out);
+    // Not once more: the tasks may well be in the queue.
+    if (array.job.empty()) {
+      throw ConfigError(
+          fmt::format("--executor slurm: sbatch printed no job id; look with `squeue --name={}` whether the "
+                      "tasks are there, and cancel them. It printed: {}",
+                      name(), answer.text()));
+    }
     write(array.folder / "job_id", array.job + "\n");
     return array;
   }
   fs::remove_all(array.folder, error);
-  if (unreachable(answer.text)) return std::nullopt;
-  throw ConfigError(fmt::format("--executor slurm: sbatch refuses: {}", answer.text));
+  if (unreachable(answer.text())) return std::nullopt;
+  throw ConfigError(fmt::format("--executor slurm: sbatch refuses: {}", answer.text()));
 }
 
 std::optional<std::set<std::string>> SlurmQueue::alive() const {
   const Answer answer = ask({"squeue", "--noheader", "--array", "--format=%F_%K", "--name=" + name()});
   if (answer.code != 0) return std::nullopt;
   std::set<std::string> tasks;
-  std::istringstream stream(answer.text);
+  std::istringstream stream(answer.out);
   for (std::string task; stream >> task;) tasks.insert(task);
   return tasks;
 }
