@@ -8,7 +8,7 @@
 
 namespace {
 
-struct RawMessage {
+struct StoredMessage {
   aslio::io::rosbag::MessageType type;
   std::vector<std::uint8_t> bytes;
 };
@@ -18,30 +18,30 @@ struct RawMessage {
 namespace ros {
 namespace message_traits {
 template <>
-struct IsMessage<RawMessage> : TrueType {};
+struct IsMessage<StoredMessage> : TrueType {};
 template <>
-struct IsMessage<const RawMessage> : TrueType {};
+struct IsMessage<const StoredMessage> : TrueType {};
 template <>
-struct MD5Sum<RawMessage> {
-  static const char* value(const RawMessage& m) { return m.type.md5.data(); }
+struct MD5Sum<StoredMessage> {
+  static const char* value(const StoredMessage& m) { return m.type.md5.data(); }
 };
 template <>
-struct DataType<RawMessage> {
-  static const char* value(const RawMessage& m) { return m.type.name.data(); }
+struct DataType<StoredMessage> {
+  static const char* value(const StoredMessage& m) { return m.type.name.data(); }
 };
 template <>
-struct Definition<RawMessage> {
-  static const char* value(const RawMessage& m) { return m.type.definition.data(); }
+struct Definition<StoredMessage> {
+  static const char* value(const StoredMessage& m) { return m.type.definition.data(); }
 };
 }  // namespace message_traits
 namespace serialization {
 template <>
-struct Serializer<RawMessage> {
+struct Serializer<StoredMessage> {
   template <typename Stream>
-  static void write(Stream& stream, const RawMessage& m) {
+  static void write(Stream& stream, const StoredMessage& m) {
     std::copy(m.bytes.begin(), m.bytes.end(), stream.advance(static_cast<std::uint32_t>(m.bytes.size())));
   }
-  static std::uint32_t serializedLength(const RawMessage& m) { return static_cast<std::uint32_t>(m.bytes.size()); }
+  static std::uint32_t serializedLength(const StoredMessage& m) { return static_cast<std::uint32_t>(m.bytes.size()); }
 };
 }  // namespace serialization
 }  // namespace ros
@@ -65,7 +65,7 @@ void write_by_reference(const std::filesystem::path& path, ::rosbag::compression
   ::rosbag::Bag bag(path.string(), ::rosbag::bagmode::Write);
   bag.setCompression(compression);
   bag.setChunkThreshold(30'000);
-  RawMessage message;
+  StoredMessage message;
   for (int i = 0; i < 600; ++i) {
     const TimeNs stamp = kStart + i * kSecond / 100;
     const TimeNs recorded = stamp + (i * 7919 % 20) * 10'000'000 + i;
