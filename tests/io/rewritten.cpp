@@ -3,6 +3,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "aslio/core/sha256.hpp"
@@ -32,29 +33,25 @@ std::vector<std::string> measurements(MeasurementSource& source) {
 }
 
 std::string digest(MeasurementSource& source) {
-  Sha256 sha;
-  const auto add = [&sha](const auto& value) { sha.add(&value, sizeof(value)); };
+  Sha256 imu_sha, lidar_sha;
+  const auto add = [](Sha256& sha, const auto& value) { sha.add(&value, sizeof(value)); };
   while (const auto measurement = source.next()) {
     if (const auto* imu = std::get_if<ImuSample>(&*measurement)) {
-      add(imu->t);
-      sha.add(imu->gyro.data(), 3 * sizeof(double));
-      sha.add(imu->acc.data(), 3 * sizeof(double));
+      add(imu_sha, imu->t);
+      imu_sha.add(imu->gyro.data(), 3 * sizeof(double));
+      imu_sha.add(imu->acc.data(), 3 * sizeof(double));
       continue;
     }
     const auto& packet = std::get<LidarPacket>(*measurement);
-    add(packet.stamp);
-    add(packet.dropped_invalid);
+    add(lidar_sha, packet.stamp);
+    add(lidar_sha, packet.dropped_invalid);
     for (const TimedPoint& p : packet.points) {
-      add(p.t);
-      add(p.x);
-      add(p.y);
-      add(p.z);
-      add(p.intensity);
-      add(p.line);
-      add(p.tag);
+      add(lidar_sha, p.t);
+      add(lidar_sha, std::array<float, 4>{p.x, p.y, p.z, p.intensity});
+      add(lidar_sha, std::array<std::uint8_t, 2>{p.line, p.tag});
     }
   }
-  return sha.hex();
+  return imu_sha.hex() + " " + lidar_sha.hex();
 }
 
 namespace {

@@ -16,7 +16,7 @@ namespace aslio::io::test {
 
 /// Every measurement with all its bits: one line each.
 std::vector<std::string> measurements(MeasurementSource& source);
-/// SHA-256 of all of them, for long recordings.
+/// SHA-256 of those of the IMU and of the LiDAR, for long recordings: messages of one time may come in either order.
 std::string digest(MeasurementSource& source);
 
 /// A PointCloud2 of 40 points with times in seconds, the layout of a Velodyne driver.

@@ -20,7 +20,8 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr TimeNs kStamp = kStart + 123'456'789;
 
 Bytes serialised(Cdr::Endianness order, const std::function<void(Cdr&)>& fill) {
-  eprosima::fastcdr::FastBuffer buffer;
+  std::array<char, 4096> memory{};  // padding stays as it is
+  eprosima::fastcdr::FastBuffer buffer(memory.data(), memory.size());
   Cdr cdr(buffer, order, Cdr::DDS_CDR);
   cdr.serialize_encapsulation();
   cdr << static_cast<std::int32_t>(kStamp / kSecond) << static_cast<std::uint32_t>(kStamp % kSecond)

@@ -89,8 +89,8 @@ TEST_CASE("stamps of one clock are taken as they are, whatever the recorder's cl
   SECTION("the clock of the sensors") {
     recording.recorded = [](TimeNs stamp) { return stamp - 1'000'000 * kSecond; };
   }
-  SECTION("all recorded at one time") {
-    recording.recorded = [](TimeNs) { return kStart; };
+  SECTION("all recorded within a few microseconds") {
+    recording.recorded = [](TimeNs stamp) { return kStart + (stamp - kStart) / 1'000'000; };
   }
   SECTION("a replay at a tenth of the speed") {
     recording.recorded = [](TimeNs stamp) { return kStart + 10 * (stamp - kStart); };
