@@ -117,7 +117,7 @@ TEST_CASE("check builds the stages of a pipeline, and names file, line, key and 
       {with(head, "{type: fixed}", "{type: imu_rate, emit: cuts}") + points,
        {":2:9: window: 'imu_rate' names parts", "'ieskf' does not use them", "emit: updates"}},
       {with(head, "{type: fixed}", "{type: motion_rate}") + "map: voxel_hash\nestimator: icp\n",
-       {":2:9: window: 'motion_rate' decides by IMU data", "'icp' takes none", "choose another window"}},
+       {":2:9: window: 'motion_rate' decides by IMU data", "'icp' uses none", "choose another window"}},
       {head + "map: {type: feature_maps}\nestimator: scan_matcher\n",
        {":5:11: samplers: none of them finds edges and planes", "'scan_matcher'", "curvature_features"}},
       {with(head, "{type: range}", "{type: range}, {type: voxel, of: plane}, {type: curvature_features}") + points,

@@ -221,7 +221,7 @@ TEST_CASE("a report replaces what a report may have written, and no result or in
     const std::string before = content(bench / name);
     const Ended ended = report(format, bench / name);
     CHECK(ended.code == 2);
-    CHECK_THAT(ended.err, Contains("would be overwritten") && Contains("name another file"));
+    CHECK_THAT(ended.err, Contains("is not overwritten") && Contains("Name another file"));
     CHECK(content(bench / name) == before);
   }
   for (int k = 0; k < 2; ++k) CHECK(report("md", bench / "mine.md").code == 0);
