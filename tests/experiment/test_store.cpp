@@ -140,7 +140,7 @@ TEST_CASE("broken shared data stay where anything lies beside them, and the new 
   write_text(d.data / mine, "mine");
   fs::remove(d.data / "data.bag");
   const std::string told = d.again(), warning = "warning: " + d.data.string() + ": files of these data are missing";
-  CHECK_THAT(told, Contains(warning) && Contains("the data are in " + d.second().filename().string() + "; move"));
+  CHECK_THAT(told, Contains(warning) && Contains("the data are in " + d.second().filename().string() + ". Move"));
   CHECK(told.find("warning") == told.rfind("warning"));
   CHECK(content(d.data / mine) == "mine");
   for (const char* file : {"truth.tum", "sensor.yaml", "identity.txt"}) CHECK(fs::exists(d.data / file));

@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -257,29 +258,60 @@ std::array<CloudTimeExtent, 2> cloud_time_extents(const CloudView& view) {
           CloudTimeExtent{times[rim], times[times.size() - 1 - rim], times.size()}};
 }
 
+namespace {
+
+/// The times of the points of one cloud, by a rule that is known.
+class PointClock {
+ public:
+  PointClock(const CloudView& view, const CloudRule& rule)
+      : field_(view.table.time),
+        rule_(rule.time),
+        longest_(static_cast<double>(rule.longest_offset)),
+        base_(view.stamp + rule.time.shift),
+        origin_(view.stamp),
+        origin_known_(!rule.time.own_clock),
+        whole_(field_.datatype == 9 || field_.datatype == 10) {}
+
+  /// Nothing for a damaged time, far from the others.
+  std::optional<TimeNs> at(const std::uint8_t* point) {
+    constexpr double kLatest = 9e18;  // [ns] fits 63 bits
+    const double value = scalar(point, field_);
+    if (!origin_known_ && std::abs(value * rule_.to_ns) < kLatest) {
+      origin_ = absolute(point, value);
+      origin_known_ = true;
+    }
+    const double offset = value * rule_.to_ns - (rule_.absolute ? static_cast<double>(origin_) : 0.0);
+    if (!(std::abs(offset) <= longest_)) return std::nullopt;
+    return rule_.absolute ? absolute(point, value) : base_ + std::llround(offset);
+  }
+
+  /// The header stamp or, where that is of another clock, the time of the first return.
+  TimeNs origin() const { return origin_; }
+
+ private:
+  TimeNs absolute(const std::uint8_t* point, double value) const {
+    return whole_ ? whole_ns(point, field_, rule_.to_ns) : exact_ns(value, rule_.to_ns);
+  }
+
+  CloudField field_;
+  const CloudTimeRule& rule_;
+  double longest_;
+  TimeNs base_, origin_;
+  bool origin_known_, whole_;
+};
+
+}  // namespace
+
 std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPacket& packet) {
   const CloudTable& table = view.table;
   const bool timed = rule.time.known;
   const bool filter_tags = rule.tag_filter && table.tag.present() && table.livox_lines;
-  const double longest = static_cast<double>(rule.longest_offset);
-  const TimeNs base = view.stamp + rule.time.shift;
-  const bool whole = table.time.datatype == 9 || table.time.datatype == 10;
-  const auto absolute_ns = [&](const std::uint8_t* from, double value) {
-    return whole ? whole_ns(from, table.time, rule.time.to_ns) : exact_ns(value, rule.time.to_ns);
-  };
-  constexpr double kLatest = 9e18;  // [ns] fits 63 bits
-  // Where the header is of another clock, times lie near that of the first return.
-  TimeNs origin = view.stamp;
-  bool origin_known = !rule.time.own_clock;
+  PointClock clock(view, rule);
   packet.stamp = view.stamp;
   packet.points.clear();
   if (std::string why = unlike(view, rule.time); !why.empty()) return why;
   packet.points.reserve(static_cast<std::size_t>(view.width) * view.height);
   packet.beyond_lines = 0;
-  const auto note_beyond = [&packet](std::uint8_t line) {
-    ++packet.beyond_lines;
-    packet.highest_line = std::max(packet.highest_line, line);
-  };
   TimeNs first = kTimeMax, last = kTimeMin;
   each_point(view, [&](const std::uint8_t* from) {
     const auto p = position(from, table);
@@ -288,22 +320,16 @@ std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPack
     if (table.tag.present()) point.tag = from[table.tag.offset];
     if (filter_tags && (point.tag & 0x30U) != 0x00 && (point.tag & 0x30U) != 0x10) return;
     if (table.ring.present()) point.line = small(from, table.ring);
-    const bool beyond = table.livox_lines && point.line >= rule.scan_lines;
-    point.t = view.stamp;
-    if (timed) {
-      const double value = scalar(from, table.time);
-      if (!origin_known && std::abs(value * rule.time.to_ns) < kLatest) {
-        origin = absolute_ns(from, value);
-        origin_known = true;
-      }
-      const double offset = value * rule.time.to_ns - (rule.time.absolute ? static_cast<double>(origin) : 0.0);
-      if (!(std::abs(offset) <= longest)) return;
-      if (beyond) return note_beyond(point.line);
-      point.t = rule.time.absolute ? absolute_ns(from, value) : base + std::llround(offset);
-      first = std::min(first, point.t);
-      last = std::max(last, point.t);
+    const auto time = timed ? clock.at(from) : view.stamp;
+    if (!time) return;
+    if (table.livox_lines && point.line >= rule.scan_lines) {
+      ++packet.beyond_lines;
+      packet.highest_line = std::max(packet.highest_line, point.line);
+      return;
     }
-    if (beyond) return note_beyond(point.line);
+    point.t = *time;
+    first = std::min(first, point.t);
+    last = std::max(last, point.t);
     point.x = p[0];
     point.y = p[1];
     point.z = p[2];
@@ -311,7 +337,7 @@ std::string decode_cloud(const CloudView& view, const CloudRule& rule, LidarPack
     point.sweep_id = packet.sweep_id;
     packet.points.push_back(point);
   });
-  if (timed) packet.stamp = origin;
+  if (timed) packet.stamp = clock.origin();
   packet.dropped_invalid = static_cast<std::size_t>(view.width) * view.height - packet.points.size();
   constexpr std::size_t kSomePoints = 16;
   if (timed && first == last && packet.points.size() > kSomePoints) {
