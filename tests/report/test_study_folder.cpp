@@ -464,7 +464,7 @@ TEST_CASE("without its script the page tells what to install") {
     FAIL("no error");
   } catch (const aslio::DataError& error) {
     CHECK_THAT(error.what(),
-               Contains("no answer;") && Contains("npm_config_registry") && Contains("--format md,tex,csv"));
+               Contains("no answer.") && Contains("npm_config_registry") && Contains("--format md,tex,csv"));
   }
   write_text(folder.path() / "report.js", "'</script>'");
   write_text(folder.path() / "report.css", "");

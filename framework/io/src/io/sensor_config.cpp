@@ -110,8 +110,10 @@ std::vector<NamedTransform> SensorConfig::all_transforms() const {
   return all;
 }
 
-void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
-  sensor.from_file = true;
+namespace {
+
+/// How a recording is read.
+void describe_recording(config::Binder& b, SensorConfig& sensor) {
   b.text("lidar_topic", sensor.lidar_topic, "LiDAR topic of a bag; empty: the only one of a known type");
   b.text("imu_topic", sensor.imu_topic, "IMU topic of a bag; empty: the only one");
   b.text("scan_columns", sensor.scan_columns,
@@ -148,8 +150,9 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   describe_signs(
       b, "acc_signs", sensor.acc_signs,
       "sign of each accelerometer axis; all -1 for a driver that reports gravity in place of specific force");
+}
 
-  SensorModel& model = sensor.model;
+void describe_extrinsic(config::Binder& b, SensorModel& model) {
   PoseBlock extrinsic(model.T_imu_lidar);
   b.group("T_imu_lidar", extrinsic, "pose of the LiDAR in the IMU frame: p_I = T_imu_lidar p_L");
   if (extrinsic.translation.size() == 3 && extrinsic.rotation.size() == 9) {
@@ -160,16 +163,10 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
     model.T_imu_lidar.p = Vec3(extrinsic.translation[0], extrinsic.translation[1], extrinsic.translation[2]);
     model.T_imu_lidar.R = exact ? R : orthonormalised(R);
   }
-  b.groups("transforms", sensor.transforms,
-           "transforms between further frames, for a reference in one of them; `imu` and `lidar` are those of "
-           "T_imu_lidar, `reference` is the frame of a reference that names none");
-  std::vector<double> sensitivity = rows_of(sensor.gyro_sensitivity);
-  b.reals("gyro_sensitivity", sensitivity, 9, "1", {.min = -kMaxSensitivity, .max = kMaxSensitivity},
-          "S, known beforehand, row by row: the gyro measures (I + S) w and a bias; taken out of what is read "
-          "(`aslio calibrate` tells it from runs)");
-  sensor.gyro_sensitivity = matrix_of(sensitivity);
-  b.real("imu_delay", sensor.imu_delay, "s", {.min = -kMaxDelay, .max = kMaxDelay},
-         "known beforehand: an IMU sample tells of the motion this long before its stamp; taken out of the stamps");
+}
+
+/// Ranges and noise.
+void describe_model(config::Binder& b, SensorModel& model) {
   std::int64_t lines = model.scan_lines;
   b.integer("scan_lines", lines, "1", {.min = 1, .max = 256}, "scan lines; Livox points of a higher line are dropped");
   model.scan_lines = static_cast<int>(lines);
@@ -190,6 +187,25 @@ void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
          "random walk density of the gyroscope bias");
   b.real("acc_bias_walk", model.acc_bias_walk, "m/s^3/sqrt(Hz)", {.above = 0.0, .max = 100.0},
          "random walk density of the accelerometer bias");
+}
+
+}  // namespace
+
+void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
+  sensor.from_file = true;
+  describe_recording(b, sensor);
+  describe_extrinsic(b, sensor.model);
+  b.groups("transforms", sensor.transforms,
+           "transforms between further frames, for a reference in one of them; `imu` and `lidar` are those of "
+           "T_imu_lidar, `reference` is the frame of a reference that names none");
+  std::vector<double> sensitivity = rows_of(sensor.gyro_sensitivity);
+  b.reals("gyro_sensitivity", sensitivity, 9, "1", {.min = -kMaxSensitivity, .max = kMaxSensitivity},
+          "S, known beforehand, row by row: the gyro measures (I + S) w and a bias; taken out of what is read "
+          "(`aslio calibrate` tells it from runs)");
+  sensor.gyro_sensitivity = matrix_of(sensitivity);
+  b.real("imu_delay", sensor.imu_delay, "s", {.min = -kMaxDelay, .max = kMaxDelay},
+         "known beforehand: an IMU sample tells of the motion this long before its stamp; taken out of the stamps");
+  describe_model(b, sensor.model);
 }
 
 }  // namespace aslio::io

@@ -163,7 +163,8 @@ class HesaiFormat final : public PacketFormat {
   /// From the stamp of the packet [ns].
   double block_time(Bytes packet, std::size_t block) const {
     const std::size_t returns = returns_of(packet), nth = layout_.backward ? layout_.blocks - 1 - block : block;
-    const double steps = static_cast<double>(nth / returns);
+    const std::size_t whole = nth / returns;  // blocks of one moment count once
+    const auto steps = static_cast<double>(whole);
     return layout_.first_block + (layout_.backward ? -steps : steps) * layout_.block_step;
   }
 

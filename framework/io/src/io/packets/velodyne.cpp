@@ -188,7 +188,8 @@ class VelodyneFormat final : public PacketFormat {
         continue;
       }
       const Beam& beam = beams_[(block.bank * kReturns + i) % traits_.lasers];
-      const double since_block = traits_.timing.cycle * static_cast<double>(i / traits_.lasers) + beam.time;
+      const std::size_t cycles = i / traits_.lasers;
+      const double since_block = traits_.timing.cycle * static_cast<double>(cycles) + beam.time;
       const double azimuth = kRadians * 0.01 * block.azimuth + block.rate * since_block + beam.azimuth;
       const double range = traits_.unit * distance, level = range * beam.cos_elevation;
       const Vec3 p(level * std::cos(azimuth), -level * std::sin(azimuth), range * beam.sin_elevation + beam.height);

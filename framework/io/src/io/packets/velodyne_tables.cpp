@@ -43,7 +43,8 @@ std::array<VelodyneLaser, 16> vlp16_hires() {
 std::array<VelodyneLaser, 32> hdl32e() {
   std::array<VelodyneLaser, 32> lasers{};
   for (std::size_t i = 0; i < 32; ++i) {
-    const double step = static_cast<double>(i / 2);
+    const std::size_t pair = i / 2;
+    const auto step = static_cast<double>(pair);
     lasers[i].elevation = (i % 2 == 0 ? -92.0 / 3.0 : -28.0 / 3.0) + 4.0 / 3.0 * step;
   }
   return with_lines(lasers);
