@@ -13,12 +13,14 @@ const TopicReport& only_one(const InputReport& report, TopicRole role, const cha
   for (const TopicReport& topic : report.topics) {
     if (topic.role != role || !topic.problem.empty()) continue;
     if (found != nullptr) {
-      throw DataError(fmt::format("{}: it has several {} topics, {} and {}: name one in a sensor file and give it by --sensor",
-                                  report.path.string(), name, found->topic, topic.topic));
+      throw DataError(
+          fmt::format("{}: it has several {} topics, {} and {}: name one in a sensor file and give it by --sensor",
+                      report.path.string(), name, found->topic, topic.topic));
     }
     found = &topic;
   }
-  if (found == nullptr) throw DataError(fmt::format("{}: it has no {} topic that can be used", report.path.string(), name));
+  if (found == nullptr)
+    throw DataError(fmt::format("{}: it has no {} topic that can be used", report.path.string(), name));
   return *found;
 }
 
