@@ -10,8 +10,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <vector>
 
 #include "aslio/core/errors.hpp"
+#include "decompress.hpp"
 #include "input_file.hpp"
 
 namespace aslio::io {
@@ -32,31 +34,12 @@ bool is_zstd(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= sizeof(kMagic) && std::memcmp(bytes.data(), kMagic, sizeof(kMagic)) == 0;
 }
 
-std::string decompress_zstd(std::span<const std::uint8_t> in, std::uint64_t limit, std::vector<std::uint8_t>& out) {
-  constexpr std::uint64_t kStep = 1U << 20U;
+std::string decompress_message(std::span<const std::uint8_t> in, std::uint64_t limit, ByteBuffer& out) {
   const auto declared = ZSTD_getFrameContentSize(in.data(), in.size());
   if (declared == ZSTD_CONTENTSIZE_ERROR) return "it is no Zstandard frame";
-  const bool known = declared != ZSTD_CONTENTSIZE_UNKNOWN;
-  if (known && declared > limit) return fmt::format("it declares {} bytes (at most {})", declared, limit);
-  const Stream stream = make_stream();
-  ZSTD_inBuffer from{in.data(), in.size(), 0};
-  out.resize(static_cast<std::size_t>(known ? declared : std::min(limit, kStep)));
-  ZSTD_outBuffer to{out.data(), out.size(), 0};
-  while (true) {
-    const std::size_t taken = from.pos, given = to.pos;
-    const std::size_t left = ZSTD_decompressStream(stream.get(), &to, &from);
-    if (ZSTD_isError(left) != 0) return fmt::format("zstd: {}", ZSTD_getErrorName(left));
-    if (left == 0) break;
-    if (to.pos == to.size) {
-      if (known || to.size >= limit) return fmt::format("it decompresses to more than {} bytes", to.size);
-      out.resize(static_cast<std::size_t>(std::min<std::uint64_t>(limit, to.size * std::uint64_t{2})));
-      to = {out.data(), out.size(), to.pos};
-    } else if (from.pos == taken && to.pos == given) {
-      return fmt::format("its Zstandard frame ends after {} bytes", to.pos);
-    }
-  }
-  out.resize(to.pos);
-  return {};
+  if (declared == ZSTD_CONTENTSIZE_UNKNOWN) return "its Zstandard frame does not declare its size";
+  if (declared > limit) return fmt::format("it declares {} bytes (at most {})", declared, limit);
+  return decompress(ChunkCoding::zstd, in, static_cast<std::size_t>(declared), out);
 }
 
 ScratchFile::ScratchFile(const std::filesystem::path& from, const std::filesystem::path& folder) {

@@ -5,15 +5,16 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <vector>
+
+#include "byte_buffer.hpp"
 
 namespace aslio::io {
 
 /// Begins with the magic number of a Zstandard frame.
 bool is_zstd(std::span<const std::uint8_t> bytes);
 
-/// Decompresses one message into `out`. Empty text, or what is wrong with it; at most `limit` bytes.
-std::string decompress_zstd(std::span<const std::uint8_t> in, std::uint64_t limit, std::vector<std::uint8_t>& out);
+/// Decompresses one message, whose frame declares its size, into `out`. Empty text, or what is wrong with it.
+std::string decompress_message(std::span<const std::uint8_t> in, std::uint64_t limit, ByteBuffer& out);
 
 /// A file that goes with the object, in whatever way the program ends once it is hidden.
 class ScratchFile {

@@ -286,10 +286,10 @@ class DatabaseReader::Impl {
 
   /// Compression per message: only metadata.yaml would say so, yet no CDR begins with these bytes.
   void unpack(std::int64_t id, RawMessage& message) {
-    if (const std::string why = decompress_zstd(message.bytes, limits_.message_bytes, plain_); !why.empty()) {
+    if (const std::string why = decompress_message(message.bytes, limits_.message_bytes, plain_); !why.empty()) {
       fail(fmt::format("message {} cannot be decompressed: {}; copy the file again from its origin", id, why));
     }
-    message.bytes = plain_;
+    message.bytes = plain_.bytes();
   }
 
   std::string name_;
@@ -302,7 +302,7 @@ class DatabaseReader::Impl {
   std::string index_;                          ///< on the times of messages; empty: none that can be used
   std::vector<Place> places_;
   std::size_t next_place_ = 0;
-  std::vector<std::uint8_t> plain_;
+  ByteBuffer plain_;
   std::optional<TimeNs> begin_, end_;
   std::vector<std::string> warnings_;
   InputStatus status_ = InputStatus::complete;
