@@ -80,11 +80,11 @@ void InputTimes::describe(config::Binder& b, InputTimes& times) {
             {"none", PointTime::none}},
            "what the times of points count from; auto: by the first clouds; none: all points take the header stamp");
   b.choice("point_time_unit", times.point_time_unit,
-           {{"auto", PointTimeUnit::automatic},
-            {"s", PointTimeUnit::s},
-            {"ms", PointTimeUnit::ms},
-            {"us", PointTimeUnit::us},
-            {"ns", PointTimeUnit::ns}},
+           {{"auto", TimeUnit::automatic},
+            {"s", TimeUnit::s},
+            {"ms", TimeUnit::ms},
+            {"us", TimeUnit::us},
+            {"ns", TimeUnit::ns}},
            "unit of the times of points; auto: the one in which they span a sweep");
   b.text("point_time_field", times.point_time_field,
          "field of a PointCloud2 with the time of a point; empty: t, time, time_stamp, timestamp, timestamps or "

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "aslio/core/types.hpp"
+#include "aslio/io/time_unit.hpp"
 #include "aslio/io/transforms.hpp"
 
 namespace aslio::io {
 
 /// How the poses are written. `automatic`: by the content.
 enum class ReferenceFormat : std::uint8_t { automatic, tum, csv, euroc, kitti, recording };
-enum class TimeUnit : std::uint8_t { automatic, s, ms, us, ns };
 /// Whether the reference tells positions alone. `automatic`: by the content.
 enum class PositionsOnly : std::uint8_t { automatic, yes, no };
 /// Which pose of the reference belongs to which of the estimate.

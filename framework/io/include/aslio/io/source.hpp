@@ -11,6 +11,7 @@
 
 #include "aslio/core/measurement.hpp"
 #include "aslio/core/sensor.hpp"
+#include "aslio/io/time_unit.hpp"
 #include "aslio/io/transforms.hpp"
 
 namespace aslio::config {
@@ -26,7 +27,6 @@ enum class GyroUnit : std::uint8_t { automatic, rad_s, deg_s };
 enum class PointTime : std::uint8_t { automatic, start, end, absolute, none };
 /// What the header stamp of a LiDAR message is of; automatic: what the point times count from.
 enum class LidarStamp : std::uint8_t { automatic, start, middle, end };
-enum class PointTimeUnit : std::uint8_t { automatic, s, ms, us, ns };
 /// Which time of a message counts.
 enum class StampKind : std::uint8_t { header, received };
 
@@ -34,7 +34,7 @@ enum class StampKind : std::uint8_t { header, received };
 struct InputTimes {
   PointTime point_time = PointTime::automatic;
   LidarStamp lidar_stamp = LidarStamp::automatic;
-  PointTimeUnit point_time_unit = PointTimeUnit::automatic;
+  TimeUnit point_time_unit = TimeUnit::automatic;
   std::string point_time_field;                       ///< of a PointCloud2; empty: the one of a known name
   double lidar_time_offset = 0, imu_time_offset = 0;  ///< added to all times of the sensor [s]
   StampKind stamps = StampKind::header;

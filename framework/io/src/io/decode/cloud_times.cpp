@@ -11,13 +11,13 @@ namespace {
 
 struct Unit {
   std::string_view name;
-  PointTimeUnit declared;
+  TimeUnit declared;
   double seconds, to_ns;
 };
-constexpr std::array<Unit, 4> kUnits{{{"s", PointTimeUnit::s, 1, 1e9},
-                                      {"ms", PointTimeUnit::ms, 1e-3, 1e6},
-                                      {"us", PointTimeUnit::us, 1e-6, 1e3},
-                                      {"ns", PointTimeUnit::ns, 1e-9, 1}}};
+constexpr std::array<Unit, 4> kUnits{{{"s", TimeUnit::s, 1, 1e9},
+                                      {"ms", TimeUnit::ms, 1e-3, 1e6},
+                                      {"us", TimeUnit::us, 1e-6, 1e3},
+                                      {"ns", TimeUnit::ns, 1e-9, 1}}};
 
 /// nullptr: none in which such a span is that of a sweep, or of the part of it that a narrow view covers. Units differ
 /// by 1000, the admissible spans by 100: at most one unit fits.
@@ -30,7 +30,7 @@ const Unit* unit_of(double span, double sweep_period) {
   return found == kUnits.end() ? nullptr : &*found;
 }
 
-const Unit* declared_unit(PointTimeUnit unit) {
+const Unit* declared_unit(TimeUnit unit) {
   const auto found = std::find_if(kUnits.begin(), kUnits.end(), [unit](const Unit& u) { return u.declared == unit; });
   return found == kUnits.end() ? nullptr : &*found;
 }
