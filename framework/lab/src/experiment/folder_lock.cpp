@@ -8,9 +8,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <mutex>
 #include <utility>
 
 #include "aslio/core/errors.hpp"
@@ -24,24 +22,18 @@ namespace {
 /// File systems of clusters may lack flock.
 bool has_no_locks(int error) { return error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP; }
 
-void warn_once(const fs::path& folder) {
-  static std::once_flag once;
-  std::call_once(once, [&] {
-    fmt::print(stderr, "warning: {}: this file system has no file locks; start nothing else in this folder meanwhile\n",
-               folder.string());
-  });
-}
-
 }  // namespace
 
 FolderLock::~FolderLock() {
   if (file_ >= 0) ::close(file_);
 }
 
-FolderLock::FolderLock(FolderLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+FolderLock::FolderLock(FolderLock&& other) noexcept
+    : file_(std::exchange(other.file_, -1)), excludes_(other.excludes_) {}
 
 FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   std::swap(file_, other.file_);
+  std::swap(excludes_, other.excludes_);
   return *this;
 }
 
@@ -57,7 +49,7 @@ std::optional<FolderLock> FolderLock::take(const fs::path& folder, bool exclusiv
     if (!lock.change(exclusive)) {
       if (errno == EWOULDBLOCK || errno == EINTR) return std::nullopt;
       if (has_no_locks(errno)) {
-        warn_once(folder);
+        lock.excludes_ = false;
         return lock;
       }
       throw DataError(fmt::format("{}: cannot be locked: {}; name a folder on a file system with file locks (flock)",
@@ -98,5 +90,10 @@ bool FolderLock::is_held(const fs::path& folder, bool exclusive) {
 }
 
 bool FolderLock::change(bool exclusive) const { return ::flock(file_, (exclusive ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0; }
+
+std::string FolderLock::without_locks(const fs::path& folder) {
+  return fmt::format("warning: {}: its file system has no file locks; start nothing else there meanwhile",
+                     folder.string());
+}
 
 }  // namespace aslio::experiment

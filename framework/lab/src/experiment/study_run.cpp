@@ -200,17 +200,18 @@ class Schedule {
   bool take(std::size_t d) {
     DataProgress& data = data_[d];
     if (!options_.recording.empty() || data.lock) return true;  // run_study() has locked it
-    const std::string& name = study_.data[d].name;
-    const fs::path folder = runs_folder_ / name;
+    const fs::path folder = runs_folder_ / study_.data[d].name;
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
     data.lock = FolderLock::take(folder, true);
     if (data.lock) {
+      if (!data.lock->excludes()) monitor_.on_line(FolderLock::without_locks(folder));
       adopt(d);
       return true;
     }
-    if (!data.told) monitor_.on_line(fmt::format("{}: another `aslio experiment` is at work on it; waiting", name));
+    if (!data.told)
+      monitor_.on_line(fmt::format("{}: another `aslio experiment` is at work on it; waiting", study_.data[d].name));
     data.told = blocked_ = true;
     asked_ = Clock::now();
     return false;
