@@ -176,6 +176,10 @@ TEST_CASE("a header of another clock is no harm where point times are of the IMU
     return bytes;
   };
   const auto source = opened(folder, zero);
+  const InputReport report = inspect(folder / "a.bag");
+  CHECK(report.usable);
+  CHECK(
+      std::all_of(report.topics.begin(), report.topics.end(), [](const TopicReport& t) { return t.problem.empty(); }));
   CHECK(contains(source->notes().verdicts, "absolute, the header stamp is of another clock and is not used"));
   CHECK(*source->begin_time() == kStart);
   const LidarPacket packet = first_packet(*source);
@@ -235,7 +239,9 @@ TEST_CASE("IMU stamps that tell no time are named, with the key that takes the t
   const std::string zero = data_error([&] { open_source(folder / "a.bag", {}); });
   CHECK(contains(zero, "samples all have the stamp 0 ns"));
   CHECK(contains(zero, "set `stamps: received`"));
-  CHECK_FALSE(inspect(folder / "a.bag").usable);
+  const InputReport report = inspect(folder / "a.bag");
+  CHECK_FALSE(report.usable);
+  CHECK(contains(report.topics[0].problem, "samples all have the stamp 0 ns"));
   SensorConfig received;
   received.times.stamps = StampKind::received;
   CHECK(all_imu(*open_source(folder / "a.bag", received)).size() == 200);
@@ -259,6 +265,8 @@ TEST_CASE("two sensors on one topic are refused, and one of them can be chosen")
   const auto source = open_source(folder / "a.bag", one);
   CHECK(first_packet(*source).stamp == kStart + kSecond / 10);
   CHECK(drain(*open_source(folder / "a.bag", one)).packets == 10);
+  CHECK(inspect(folder / "a.bag", one).topics[1].points_per_message ==
+        10);  // of 20, half of the messages are not its own
 
   int number = 0;
   const Recording clouds = recording_of([&](TimeNs) { return usual(); });
@@ -370,6 +378,22 @@ TEST_CASE("a bag that was written topic after topic is refused") {
     CHECK(contains(text, "the topics were written one after the other"));
     CHECK(contains(text, imu_first ? "the messages of '/livox/lidar' come" : "the messages of '/livox/imu' come"));
   }
+}
+
+TEST_CASE("a key that a kind of message does not read is refused") {
+  TemporaryFolder folder;
+  Recording().write(folder / "livox.bag");
+  recording_of([](TimeNs) { return usual(); }).write(folder / "cloud.bag");
+  const auto refused = [&](const char* bag, const std::function<void(SensorConfig&)>& set) {
+    SensorConfig sensor;
+    set(sensor);
+    return data_error([&] { open_source(folder / bag, sensor); });
+  };
+  CHECK(contains(refused("livox.bag", [](SensorConfig& s) { s.times.point_time_field = "t"; }), "`point_time_field`"));
+  CHECK(contains(refused("livox.bag", [](SensorConfig& s) { s.times.point_time = PointTime::end; }), "`point_time`"));
+  CHECK(contains(refused("livox.bag", [](SensorConfig& s) { s.lidar_frame = "front"; }), "`lidar_frame`"));
+  CHECK(contains(refused("cloud.bag", [](SensorConfig& s) { s.lidar_id = 1; }), "no meaning for PointCloud2"));
+  CHECK(refused("livox.bag", [](SensorConfig& s) { s.times.deskewed = true; }).empty());
 }
 
 }  // namespace aslio::io::test

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/message_reader.hpp"
 #include "decode/cloud.hpp"
 #include "folder/open_folder.hpp"
 #include "imu_rate.hpp"
+#include "imu_stamps.hpp"
 #include "lidar_decoder.hpp"
 #include "packets/open_packets.hpp"
 #include "recording_files.hpp"
@@ -24,12 +26,11 @@ namespace {
 class TopicProbe {
  public:
   TopicProbe(const Connection& connection, const SensorConfig& sensor, std::string where)
-      : sensor_(sensor), where_(std::move(where)) {
+      : sensor_(sensor), connection_(connection), where_(std::move(where)) {
     report_.topic = connection.topic;
     report_.type = connection.type;
     report_.md5 = connection.md5;
     report_.role = is_lidar(connection) ? TopicRole::lidar : is_imu(connection) ? TopicRole::imu : TopicRole::other;
-    if (report_.role == TopicRole::lidar) decoder_ = make_lidar_decoder(connection, sensor, where_);
     is_cloud_ = message_kind(connection) == MessageKind::cloud;
   }
 
@@ -37,7 +38,23 @@ class TopicProbe {
 
   /// Before the first message.
   void look_at_clock(MessageReader& reader) {
-    if (report_.role == TopicRole::lidar) clock_ = judge_clock(reader, ids_, kClockMessages);
+    if (report_.role != TopicRole::other) clock_ = judge_clock(reader, ids_, kClockMessages);
+  }
+
+  /// When an IMU begins, by its stamps.
+  std::optional<TimeNs> imu_begin() const {
+    if (report_.role != TopicRole::imu || !clock_.offset()) return std::nullopt;
+    return clock_.begin();
+  }
+
+  /// Before the first message. `imu_time`: where the recording begins, by the only IMU.
+  void make_decoder(std::optional<TimeNs> imu_time) {
+    if (report_.role != TopicRole::lidar) return;
+    try {
+      decoder_ = make_lidar_decoder(connection_, sensor_, where_, imu_time);
+    } catch (const DataError& error) {
+      report_.problem = error.what();
+    }
   }
 
   void add(const RawMessage& message) {
@@ -45,7 +62,7 @@ class TopicProbe {
     const TimeNs stamp = stamped ? decode::header_stamp(message).value_or(message.time) : message.time;
     statistics_.add(stamp);
     if (report_.role == TopicRole::imu) add_imu(message);
-    if (report_.role == TopicRole::lidar) add_lidar(message, clock_.far_off(stamp, message.time));
+    if (decoder_) add_lidar(message, clock_.far_off(stamp, message.time));
   }
 
   /// `known`: verdicts of the recording, of which a topic states those on its role.
@@ -60,7 +77,7 @@ class TopicProbe {
       report_.points_per_message =
           static_cast<double>(points_) / static_cast<double>(report_.messages - report_.malformed);
     }
-    if (report_.role == TopicRole::lidar) judge_lidar_end();
+    if (decoder_) judge_lidar_end();
     if (report_.messages == 0 && report_.role != TopicRole::other) report_.problem = "there is no message";
     if (decoder_ && !decoder_->remark().empty()) notes_.warnings.push_back(decoder_->remark());
     report_.verdicts.insert(report_.verdicts.end(), notes_.verdicts.begin(), notes_.verdicts.end());
@@ -75,6 +92,7 @@ class TopicProbe {
       ++report_.malformed;
       return;
     }
+    if (sensor_.times.stamps == StampKind::received) sample.t = message.time;
     gyro_range_.add(sample.gyro);
     beginning_.add(sample, message.time);
   }
@@ -84,6 +102,8 @@ class TopicProbe {
     try {
       const decode::ImuUnits units = decode::judge_imu_units(beginning_.samples(), sensor_, where_);
       notes_.verdicts = units.verdicts;
+      const ImuStamps stamps = judge_imu_stamps(beginning_.samples(), where_);
+      if (!stamps.verdict.empty()) notes_.verdicts.push_back(stamps.verdict);
       report_.acc_unit = units.acc == 1 ? "mps2" : "g";
       report_.gyro_unit = units.gyro == 1 ? "rad_s" : "deg_s";
       notes_.warnings = units.warnings;
@@ -111,7 +131,7 @@ class TopicProbe {
     LidarPacket& packet = packet_;
     if (!decoder_->decode(message, packet).empty()) {
       ++report_.malformed;
-    } else {
+    } else if (!decoder_->skipped()) {
       points_ += packet.points.size();
       for (const TimedPoint& p : packet.points) report_.lines = std::max(report_.lines, p.line + 1);
       report_.empty += packet.points.empty() ? 1 : 0;
@@ -128,6 +148,7 @@ class TopicProbe {
   }
 
   const SensorConfig& sensor_;
+  const Connection& connection_;  ///< of the reader
   std::string where_;
   TopicReport report_;
   TopicStatistics statistics_;
@@ -161,7 +182,14 @@ void inspect_messages(MessageReader& reader, const SensorConfig& sensor, InputRe
     probe->add_connection(c.id);
     all.push_back(c.id);
   }
-  for (auto& [key, probe] : probes) probe->look_at_clock(reader);
+  std::vector<TimeNs> imu_begins;
+  for (auto& [key, probe] : probes) {
+    probe->look_at_clock(reader);
+    if (const auto begin = probe->imu_begin()) imu_begins.push_back(*begin);
+  }
+  for (auto& [key, probe] : probes) {
+    probe->make_decoder(imu_begins.size() == 1 ? std::optional(imu_begins.front()) : std::nullopt);
+  }
   reader.select(all);
   RawMessage message;
   while (reader.next(message)) by_id.at(message.connection)->add(message);

@@ -1,9 +1,13 @@
 #include "lidar_decoder.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
+#include "aslio/core/errors.hpp"
 #include "aslio/io/rosbag/messages.hpp"
 #include "cloud_decoder.hpp"
 #include "livox_decoder.hpp"
@@ -26,6 +30,28 @@ constexpr std::array<KnownMessage, 3> kKnownMessages{
     {{MessageKind::livox, &rosbag::kLivoxCustomMsg, "livox_", "/CustomMsg"},
      {MessageKind::cloud, &rosbag::kPointCloud2, "sensor_msgs/", "/PointCloud2"},
      {MessageKind::imu, &rosbag::kImu, "sensor_msgs/", "/Imu"}}};
+
+/// A key that a kind of message does not read would be taken for heeded.
+void refuse_unread_keys(MessageKind kind, const SensorConfig& sensor, const std::string& where) {
+  const InputTimes& t = sensor.times;
+  const bool cloud = kind == MessageKind::cloud, packets = kind == MessageKind::packets;
+  const bool from_start = t.point_time == PointTime::automatic || t.point_time == PointTime::none;
+  const std::array<std::pair<std::string_view, bool>, 7> unread{
+      {{"point_time_field", !cloud && !t.point_time_field.empty()},
+       {"point_time_unit", !cloud && t.point_time_unit != TimeUnit::automatic},
+       {"point_time", packets ? t.point_time != PointTime::automatic : !cloud && !from_start},
+       {"lidar_stamp", packets && t.lidar_stamp != LidarStamp::automatic},
+       {"deskewed", packets && t.deskewed},
+       {"lidar_frame", !cloud && !sensor.lidar_frame.empty()},
+       {"lidar_id", kind != MessageKind::livox && sensor.lidar_id >= 0}}};
+  for (const auto& [key, is_set] : unread) {
+    if (!is_set) continue;
+    throw DataError(fmt::format("{}: `{}` of the sensor file has no meaning for {}; remove it", where, key,
+                                cloud     ? "PointCloud2"
+                                : packets ? "raw packets"
+                                          : "a Livox CustomMsg"));
+  }
+}
 
 }  // namespace
 
@@ -55,6 +81,7 @@ bool is_imu(const Connection& connection) { return message_kind(connection) == M
 std::unique_ptr<LidarDecoder> make_lidar_decoder(const Connection& connection, const SensorConfig& sensor,
                                                  std::string where, std::optional<TimeNs> imu_time) {
   const MessageKind kind = message_kind(connection);
+  refuse_unread_keys(kind, sensor, where);
   if (kind == MessageKind::livox) return make_livox_decoder(sensor, std::move(where));
   if (kind == MessageKind::packets) return packets::make_sweep_decoder(connection, sensor, std::move(where));
   return make_cloud_decoder(sensor, std::move(where), imu_time);
