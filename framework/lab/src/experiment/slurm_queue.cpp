@@ -17,6 +17,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/io/writers.hpp"
+#include "study_files.hpp"
 
 namespace aslio::experiment {
 
@@ -161,9 +162,7 @@ std::optional<int> SlurmArray::ended(std::size_t index) const {
 
 SlurmQueue::SlurmQueue(const fs::path& folder, const SlurmOptions& options)
     : folder_(fs::absolute(folder)), options_(options) {
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder_.string(), error.message()));
+  create_folder(folder_);
 }
 
 std::string SlurmQueue::name() const { return "aslio-" + sha256_of(folder_.string()).substr(0, 12); }

@@ -8,14 +8,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/study_status.hpp"
 #include "manifest.hpp"
 #include "run_outputs.hpp"
+#include "study_files.hpp"
 #include "study_judge.hpp"
 #include "study_process.hpp"
 #include "study_store.hpp"
@@ -37,31 +36,6 @@ constexpr double kSimulationLimit = 86400;  // [s]
 constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C itself
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// Folders of this beginning and the id of a process, of a study that was killed.
-void remove_leftovers(const fs::path& folder, const std::string& begin) {
-  std::error_code error;
-  std::vector<fs::path> found;
-  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
-    if (is_leftover(at->path().filename().string(), begin)) found.push_back(at->path());
-  }
-  for (const fs::path& leftover : found) fs::remove_all(leftover, error);
-}
-
-/// Files that a child which was killed had not finished.
-void remove_parts(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> parts;
-  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
-    if (at->path().extension() == ".part") parts.push_back(at->path());
-  }
-  for (const fs::path& part : parts) fs::remove(part, error);
-}
-
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 class Schedule {
  public:
@@ -201,9 +175,7 @@ class Schedule {
     DataProgress& data = data_[d];
     if (!options_.recording.empty() || data.lock) return true;  // run_study() has locked it
     const fs::path folder = runs_folder_ / study_.data[d].name;
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
+    create_folder(folder);
     data.lock = FolderLock::take(folder, true);
     if (data.lock) {
       if (!data.lock->excludes()) monitor_.on_line(FolderLock::without_locks(folder));
@@ -311,8 +283,7 @@ class Schedule {
     const fs::path folder = final_folder(i);
     std::error_code error;
     fs::remove_all(folder, error);
-    fs::create_directories(folder, error);
-    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
+    create_folder(folder);
     write_outcome(folder, result_.runs[i].key, outcome);
   }
 
@@ -340,9 +311,7 @@ class Schedule {
     const std::string partial = fmt::format(".{}.partial-", run.folder);
     remove_leftovers(folder.parent_path(), partial);
     folder.replace_filename(partial + fmt::to_string(::getpid()));
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
+    create_folder(folder);
     std::vector<std::string> arguments = {
         "run",      method.pipeline.string(), "--dataset", data_[run.data].dataset.string(),
         "--output", folder.string(),          "--seed",    fmt::to_string(run.order_seed),
@@ -491,8 +460,7 @@ StudyResult run_study(const Study& study, const StudyOptions& options, StudyMoni
   fs::path locked = options.output;
   if (!options.recording.empty()) {
     locked = options.output / "runs" / options.recording;
-    fs::create_directories(locked, error);
-    if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", locked.string(), error.message()));
+    create_folder(locked);
   }
   const FolderLock lock = FolderLock::of_output(locked, options.output);
   return Schedule(study, options, monitor).run();

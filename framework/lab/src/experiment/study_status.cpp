@@ -16,7 +16,7 @@
 #include "aslio/experiment/study_results.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/statistics/order.hpp"
-#include "study_store.hpp"
+#include "study_files.hpp"
 
 namespace aslio::experiment {
 

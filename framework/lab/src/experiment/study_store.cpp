@@ -10,6 +10,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/writers.hpp"
+#include "study_files.hpp"
 
 namespace aslio::experiment {
 
@@ -100,12 +101,6 @@ std::vector<fs::path> places(const fs::path& root, const StudyData& data) {
   return {root / data.name, root / fmt::format("{}-{}", data.name, data.identity.substr(0, 8))};
 }
 
-void create(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw DataError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
-}
-
 bool digits_only(std::string_view text, std::string_view digits) {
   return !text.empty() && text.find_first_not_of(digits) == std::string_view::npos;
 }
@@ -120,10 +115,6 @@ bool is_partial(std::string_view name, const std::string& recording) {
 }
 
 }  // namespace
-
-bool is_leftover(std::string_view name, std::string_view begin) {
-  return name.starts_with(begin) && digits_only(name.substr(begin.size()), "0123456789");
-}
 
 bool has_content(const fs::path& file) {
   std::error_code error;
@@ -169,7 +160,7 @@ fs::path StudyStore::begin(const StudyData& data) {
   const fs::path folder = partial(data);
   std::error_code ignored;
   fs::remove_all(folder, ignored);
-  create(folder);
+  create_folder(folder);
   auto lock = FolderLock::take(folder, true);
   if (!lock) throw DataError(fmt::format("{}: the folder has just been made and cannot be locked", folder.string()));
   entries_.insert_or_assign(data.name, Entry{.folder = folder, .made = true, .lock = std::move(*lock)});
@@ -259,7 +250,7 @@ std::size_t StudyStore::made() const {
 
 void StudyStore::keep_small_files(const StudyData& data, const fs::path& folder) const {
   const fs::path target = output_ / "data" / data.name;
-  create(target);
+  create_folder(target);
   std::vector<const char*> files(kSmallFiles.begin(), kSmallFiles.end());
   if (world_) files.push_back(kWorldFile);
   for (const char* file : files) {

@@ -16,9 +16,6 @@ namespace aslio::experiment {
 /// A file that can be read from, and not an empty one, as a disk without room leaves it.
 bool has_content(const std::filesystem::path& file);
 
-/// Is `name` this beginning and the id of a process, and nothing else? Names of methods and data may hold anything.
-bool is_leftover(std::string_view name, std::string_view begin);
-
 /// The surfaces of a simulated world, where the study asks for them.
 inline constexpr const char* kWorldFile = "world.ply";
 
