@@ -16,6 +16,7 @@
 #include "aslio/experiment/study_results.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/statistics/order.hpp"
+#include "folder_lock.hpp"
 #include "study_files.hpp"
 
 namespace aslio::experiment {
