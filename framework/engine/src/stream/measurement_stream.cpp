@@ -27,7 +27,8 @@ void MeasurementStream::push(LidarPacket&& packet) {
   counters_.points_beyond_lines += packet.beyond_lines;
   std::vector<TimedPoint>& points = packet.points;
   const std::size_t size = points.size();
-  const PacketFindings findings = sorter_.sort(points, last_point_ == kTimeMin ? kTimeMin : last_point_ - clock_shift_);
+  const PacketFindings findings =
+      sorter_.sort(points, packets_.newest() == kTimeMin ? kTimeMin : packets_.newest() - clock_shift_);
   counters_.points_invalid += findings.invalid;
   counters_.points_stray += findings.stray;
   if (points.empty()) {
@@ -39,36 +40,7 @@ void MeasurementStream::push(LidarPacket&& packet) {
     for (TimedPoint& p : points) p.t += clock_shift_;
   }
   const PacketKey key{packet.stamp, points.front().t, points.back().t, size};
-  admit(ArrivedPacket{std::move(packet), key, findings.reordered});
-}
-
-void MeasurementStream::admit(ArrivedPacket&& arrived) {
-  const PacketKey key = arrived.key;
-  const bool copy_of_held =  // which confirms nothing
-      std::any_of(held_packets_.begin(), held_packets_.end(), [&](const ArrivedPacket& p) { return p.key == key; });
-  if (!copy_of_held && packet_guard_.confirms(key.first, key.last)) take_held_packets();
-  if (copy_of_held || seen_before(key)) {
-    ++counters_.duplicate_packets;
-    return;
-  }
-  // Counted before the guard speaks, so that the counter is right also when it throws.
-  if (last_point_ != kTimeMin && packet_guard_.implausible(key.first, key.last, last_point_))
-    ++counters_.packet_time_jumps;
-  const bool sole = recent_count_ == 1 && last_cut_ == kTimeMin;
-  const JumpGuard::Verdict verdict =
-      last_point_ == kTimeMin ? JumpGuard::Verdict::take : packet_guard_.judge(key.first, key.last, last_point_, sole);
-  if (verdict == JumpGuard::Verdict::ignore) return;
-  if (verdict == JumpGuard::Verdict::jumped) return keep_after_jump(std::move(arrived));
-  note_usual(packet_jump_, imu_jump_, imu_guard_, last_imu_, key.first);
-  if (verdict == JumpGuard::Verdict::begin) {
-    forget_first_packet();
-    arrived.reordered = 0;  // against the first one
-  }
-  if (verdict != JumpGuard::Verdict::hold_too) drop_held_packets();
-  if (verdict == JumpGuard::Verdict::hold || verdict == JumpGuard::Verdict::hold_too)
-    held_packets_.push_back(std::move(arrived));
-  else
-    take(std::move(arrived));
+  admit(packets_, samples_, ArrivedPacket{std::move(packet), key, findings.reordered});
 }
 
 void MeasurementStream::take(ArrivedPacket&& arrived) {
@@ -90,14 +62,14 @@ void MeasurementStream::take(ArrivedPacket&& arrived) {
   counters_.points += accepted.size();
   note_sweeps(accepted);
   points_.merge(accepted);
-  const auto later = std::upper_bound(accepted.begin(), accepted.end(), last_point_, closed);
-  if (last_point_ != kTimeMin && later != accepted.end())
-    counters_.longest_point_step = std::max(counters_.longest_point_step, later->t - last_point_);
+  const auto later = std::upper_bound(accepted.begin(), accepted.end(), packets_.newest(), closed);
+  if (packets_.newest() != kTimeMin && later != accepted.end())
+    counters_.longest_point_step = std::max(counters_.longest_point_step, later->t - packets_.newest());
   first_point_ = std::min(first_point_.value_or(kTimeMax), accepted.front().t);
-  last_point_ = std::max(last_point_, accepted.back().t);
+  packets_.note_taken(accepted.back().t);
 }
 
-bool MeasurementStream::seen_before(const PacketKey& key) {
+bool MeasurementStream::seen_before(const PacketKey& key) const {
   const auto end = recent_packets_.begin() + static_cast<std::ptrdiff_t>(std::min(recent_count_, kRecentPackets));
   return std::find(recent_packets_.begin(), end, key) != end;
 }
@@ -120,33 +92,9 @@ void MeasurementStream::push(const ImuSample& sample) {
     ++counters_.imu_invalid;
     return;
   }
-  ImuSample moved = sample;
-  moved.t += clock_shift_;
-  admit(moved);
-}
-
-void MeasurementStream::admit(const ImuSample& sample) {
-  if (first_imu_) {
-    const auto same_time = [&](const ImuSample& held) { return held.t == sample.t; };
-    if (std::any_of(held_imu_.begin(), held_imu_.end(), same_time)) {  // a copy, which confirms nothing
-      ++counters_.imu_duplicate;
-      return;
-    }
-    if (imu_guard_.confirms(sample.t, sample.t)) take_held_imu();
-    counters_.imu_time_jumps += imu_guard_.implausible(sample.t, sample.t, last_imu_);
-    const bool sole = counters_.imu == 1 && last_cut_ == kTimeMin;
-    const JumpGuard::Verdict verdict = imu_guard_.judge(sample.t, sample.t, last_imu_, sole);
-    if (verdict == JumpGuard::Verdict::ignore) return;
-    if (verdict == JumpGuard::Verdict::jumped) return keep_after_jump(sample);
-    note_usual(imu_jump_, packet_jump_, packet_guard_, last_point_, sample.t);
-    if (verdict == JumpGuard::Verdict::begin) forget_first_imu();
-    if (verdict != JumpGuard::Verdict::hold_too) drop_held_imu();
-    if (verdict == JumpGuard::Verdict::hold || verdict == JumpGuard::Verdict::hold_too) {
-      held_imu_.push_back(sample);
-      return;
-    }
-  }
-  screen(sample);
+  ArrivedSample arrived{sample};
+  arrived.t += clock_shift_;
+  admit(samples_, packets_, std::move(arrived));
 }
 
 /// Copies and samples that come too late are none that the screen should see.
@@ -172,10 +120,10 @@ void MeasurementStream::take(const ImuSample& sample) {
     ++counters_.imu_late;
     return;
   }
-  if (first_imu_ && sample.t < last_imu_) {
+  if (first_imu_ && sample.t < samples_.newest()) {
     ++counters_.imu_reordered;
   } else if (first_imu_) {
-    const TimeNs step = sample.t - last_imu_;
+    const TimeNs step = sample.t - samples_.newest();
     counters_.imu_gaps += imu_period() > 0 && step > kGapPeriods * imu_period();
     counters_.longest_imu_step = std::max(counters_.longest_imu_step, step);
     imu_steps_.add(step);
@@ -183,53 +131,16 @@ void MeasurementStream::take(const ImuSample& sample) {
   ++counters_.imu;
   imu_.merge({&sample, 1});
   first_imu_ = std::min(first_imu_.value_or(kTimeMax), sample.t);
-  last_imu_ = std::max(last_imu_, sample.t);
-}
-
-/// The first packet had a wild stamp, as the three after it agree.
-void MeasurementStream::forget_first_packet() {
-  counters_.points -= points_.size();
-  points_.forget(points_.size());
-  sweeps_.clear();
-  first_point_.reset();
-  last_point_ = kTimeMin;
-}
-
-void MeasurementStream::forget_first_imu() {
-  --counters_.imu;
-  imu_.forget(imu_.size());
-  screen_.forget();
-  first_imu_.reset();
-  last_imu_ = kTimeMin;
-}
-
-void MeasurementStream::take_held_packets() {
-  for (ArrivedPacket& held : held_packets_) take(std::move(held));
-  held_packets_.clear();
-}
-
-void MeasurementStream::take_held_imu() {
-  for (const ImuSample& held : held_imu_) screen(held);
-  held_imu_.clear();
-}
-
-void MeasurementStream::drop_held_packets() {
-  counters_.packet_time_jumps += held_packets_.size();
-  held_packets_.clear();
-}
-
-void MeasurementStream::drop_held_imu() {
-  counters_.imu_time_jumps += held_imu_.size();
-  held_imu_.clear();
+  samples_.note_taken(sample.t);
 }
 
 void MeasurementStream::finish() {
   // What no other one of its sensor can confirm any more, the other sensor may. A pause that nothing confirms is a wild
   // stamp.
-  if (!held_packets_.empty() && last_imu_ > held_packets_.front().key.first - kMaxStepBack) take_held_packets();
-  if (!held_imu_.empty() && last_point_ > held_imu_.front().t - kMaxStepBack) take_held_imu();
-  drop_held_packets();
-  drop_held_imu();
+  for (ArrivedPacket& held : packets_.held_before(samples_.newest())) accept(std::move(held));
+  for (ArrivedSample& held : samples_.held_before(packets_.newest())) accept(std::move(held));
+  counters_.packet_time_jumps += packets_.drop_held();
+  counters_.imu_time_jumps += samples_.drop_held();
   take(screen_.finish());
   finished_ = true;
 }
@@ -257,7 +168,7 @@ std::optional<TimeNs> MeasurementStream::imu_silent_after(TimeNs begin, TimeNs e
   const std::span<const ImuSample> samples = imu_.all();
   const std::size_t until_begin = imu_.count_until(begin);
   for (std::size_t i = until_begin > 0 ? until_begin - 1 : 0; i < samples.size() && samples[i].t < end; ++i) {
-    const TimeNs next = i + 1 < samples.size() ? samples[i + 1].t : std::max(last_point_, samples[i].t);
+    const TimeNs next = i + 1 < samples.size() ? samples[i + 1].t : std::max(packets_.newest(), samples[i].t);
     if (next - samples[i].t > longest) return samples[i].t;
   }
   return std::nullopt;
@@ -327,16 +238,16 @@ void MeasurementStream::forget_sweeps(TimeNs t) {
 
 TimeNs MeasurementStream::points_until() const {
   if (finished_) return kTimeMax;
-  return last_point_ == kTimeMin ? kTimeMin : last_point_ - 1;
+  return packets_.newest() == kTimeMin ? kTimeMin : packets_.newest() - 1;
 }
 
 TimeNs MeasurementStream::imu_until() const {
   if (finished_ || imu_left_out_) return kTimeMax;
-  const bool impatient = imu_patience_ != kTimeMax && last_point_ != kTimeMin;
-  return impatient ? std::max(last_imu_, last_point_ - imu_patience_) : last_imu_;
+  const bool impatient = imu_patience_ != kTimeMax && packets_.newest() != kTimeMin;
+  return impatient ? std::max(samples_.newest(), packets_.newest() - imu_patience_) : samples_.newest();
 }
-TimeNs MeasurementStream::last_point() const { return last_point_; }
-TimeNs MeasurementStream::last_imu() const { return last_imu_; }
+TimeNs MeasurementStream::last_point() const { return packets_.newest(); }
+TimeNs MeasurementStream::last_imu() const { return samples_.newest(); }
 
 std::span<const TimedPoint> MeasurementStream::points(TimeNs begin, TimeNs end) const {
   return points_.range(begin, end);

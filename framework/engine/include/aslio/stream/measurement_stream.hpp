@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "aslio/core/measurement.hpp"
 #include "aslio/stages/window.hpp"
 #include "aslio/stream/arrival.hpp"
+#include "aslio/stream/channel.hpp"
 #include "aslio/stream/imu_screen.hpp"
 #include "aslio/stream/time_ordered.hpp"
 
@@ -135,32 +138,43 @@ class MeasurementStream final : public StreamView {
     LidarPacket packet;  ///< its points in time order
     PacketKey key;
     std::size_t reordered = 0;
+
+    friend TimeNs begin_of(const ArrivedPacket& p) { return p.key.first; }
+    friend TimeNs end_of(const ArrivedPacket& p) { return p.key.last; }
+    friend bool are_copies(const ArrivedPacket& a, const ArrivedPacket& b) { return a.key == b.key; }
+  };
+  /// So that functions of it are found by argument-dependent lookup.
+  struct ArrivedSample : ImuSample {
+    friend TimeNs begin_of(const ArrivedSample& s) { return s.t; }
+    friend TimeNs end_of(const ArrivedSample& s) { return s.t; }
+    friend bool are_copies(const ArrivedSample& a, const ArrivedSample& b) { return a.t == b.t; }
   };
 
-  /// One sensor whose clock has jumped, while it is not known whether the other's did.
-  struct Jump {
-    bool pending = false;
-    TimeNs by = 0;
-  };
-
-  bool seen_before(const PacketKey& key);
-  void admit(ArrivedPacket&& arrived);
-  void admit(const ImuSample& sample);
-  void keep_after_jump(ArrivedPacket&& arrived);
-  void keep_after_jump(const ImuSample& sample);
-  void note_usual(Jump& own, const Jump& other, const JumpGuard& other_guard, TimeNs other_last, TimeNs t);
-  void decide_on_jump(const JumpGuard& guard, TimeNs last);
+  bool seen_before(const PacketKey& key) const;
+  template <class T, class U>
+  void admit(Channel<T>& own, Channel<U>& other, std::type_identity_t<T>&& arrived);
+  template <class T, class U>
+  void keep_after_jump(Channel<T>& own, const Channel<U>& other, std::type_identity_t<T>&& arrived);
+  template <class T, class U>
+  void note_usual(Channel<T>& own, const Channel<U>& other, TimeNs t);
+  // What the sensors differ in.
+  bool is_copy(const ArrivedPacket& arrived) const { return seen_before(arrived.key); }
+  static bool is_copy(const ArrivedSample&) { return false; }  // take() compares it with what was taken
+  std::uint64_t& copies(const ArrivedPacket&) { return counters_.duplicate_packets; }
+  std::uint64_t& copies(const ArrivedSample&) { return counters_.imu_duplicate; }
+  std::uint64_t& time_jumps(const ArrivedPacket&) { return counters_.packet_time_jumps; }
+  std::uint64_t& time_jumps(const ArrivedSample&) { return counters_.imu_time_jumps; }
+  bool comes_second(const ArrivedPacket&) const { return recent_count_ == 1 && last_cut_ == kTimeMin; }
+  bool comes_second(const ArrivedSample&) const { return counters_.imu == 1 && last_cut_ == kTimeMin; }
+  void forget_before(ArrivedPacket& arrived);
+  void forget_before(const ArrivedSample& arrived);
+  void accept(ArrivedPacket&& arrived) { take(std::move(arrived)); }
+  void accept(ArrivedSample&& arrived) { screen(arrived); }
   void reset_clock();
   void screen(const ImuSample& sample);
   void take(std::span<const ImuSample> judged);
   void take(ArrivedPacket&& arrived);
   void take(const ImuSample& sample);
-  void take_held_packets();
-  void take_held_imu();
-  void drop_held_packets();
-  void drop_held_imu();
-  void forget_first_packet();
-  void forget_first_imu();
   void note_sweeps(std::span<const TimedPoint> points);
   void forget_sweeps(TimeNs t);
   /// Between readings, of a time span and what lies around it [ns]; from or to its end where there are none.
@@ -177,13 +191,9 @@ class MeasurementStream final : public StreamView {
   std::array<PacketKey, kRecentPackets> recent_packets_{};
   std::size_t recent_count_ = 0;
   PacketSorter sorter_;
-  JumpGuard packet_guard_{"LiDAR"}, imu_guard_{"IMU"};
-  std::vector<ArrivedPacket> held_packets_;
-  std::vector<ImuSample> held_imu_;
+  Channel<ArrivedPacket> packets_{"LiDAR"};
+  Channel<ArrivedSample> samples_{"IMU"};
   ImuScreen screen_;
-  Jump packet_jump_, imu_jump_;
-  std::vector<ArrivedPacket> packets_after_jump_;
-  std::vector<ImuSample> imu_after_jump_;
   int usual_since_jump_ = 0;  ///< measurements of the sensor whose clock has not
   TimeNs first_usual_ = 0;
   TimeNs clock_shift_ = 0;
@@ -192,7 +202,6 @@ class MeasurementStream final : public StreamView {
   StepMedian cut_steps_;                 ///< of the readings up to the last cut, in time order: however they arrive
   std::optional<TimeNs> last_cut_step_;  ///< the last of them
   std::optional<TimeNs> first_point_, first_imu_;
-  TimeNs last_point_ = kTimeMin, last_imu_ = kTimeMin;
   TimeNs released_ = kTimeMin, last_cut_ = kTimeMin;
   /// From the last cut to the last release beyond it, if that was ever so: no window reaches back to it.
   TimeNs skipped_from_ = kTimeMin, skipped_until_ = kTimeMin;
