@@ -29,6 +29,8 @@ constexpr double kWrongFor = 0.2;                       ///< [s]
 constexpr double kUnexplained = 0.1, kUnexplainedUsual = 0.025;
 // In a sharp turn poses are off by degrees for a moment: share per rad/s beyond this rate [rad/s].
 constexpr double kUnexplainedTurn = 0.15, kSharpTurn = 1.0;
+// A piece that is missing leaves most of the change of the view unexplained; a turn past something near, half of it.
+constexpr double kUnexplainedOfChange = 0.6;
 constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
 constexpr double kScale = 0.03, kDelay = 0.015, kGyroBias = 0.1, kAccBias = 1.5;
 constexpr double kMountTurn = 0.05, kMountShift = 0.15;  // of T_imu_lidar [rad, m]
@@ -112,7 +114,7 @@ void Monitor::begin(bool uses_imu) {
   contradicted_ = {};
   turned_ = {};
   view_count_ = unexplained_count_ = 0;
-  fastest_ = 0;
+  fastest_ = last_change_ = 0;
   since_jump_ = 1e9;
   doubted_ = false;
 }
@@ -165,12 +167,13 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
   since_jump_ += length(window);
   if (update.trajectory == nullptr || !update.state.R.allFinite()) return;
   for (const ImuSample& s : window.imu) fastest_ = std::max(fastest_, s.gyro.norm());
+  const auto change = view_.add(window.fresh, *update.trajectory, window.plan.end);
+  if (change) last_change_ = *change;
   if (!uses_imu_ || bridged || unread(window)) {
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
   } else if (const auto share = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
     judge_unexplained(*share);
   }
-  const auto change = view_.add(window.fresh, *update.trajectory, window.plan.end);
   if (!change) return;
   signals_.view_change = *change;
   if (view_count_ >= 4) {
@@ -195,7 +198,8 @@ void Monitor::judge_unexplained(double share) {
   if (unexplained_count_ >= 4) {
     const double before = *std::max_element(unexplained_.begin(), unexplained_.end());
     const double usual = std::max(before, kUnexplainedUsual);
-    const double least = kUnexplained + kUnexplainedTurn * std::max(fastest_ - kSharpTurn, 0.0);
+    const double least = std::max(kUnexplained + kUnexplainedTurn * std::max(fastest_ - kSharpTurn, 0.0),
+                                  kUnexplainedOfChange * last_change_);
     if (share > least && share > kUnexplainedStir * usual) since_jump_ = 0;
     if (share > least && share > kUnexplainedJump * usual) {
       raise(

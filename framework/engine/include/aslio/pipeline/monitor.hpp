@@ -115,6 +115,7 @@ class Monitor {
   std::array<double, 4> unexplained_{};
   int unexplained_count_ = 0;
   double fastest_ = 0;       ///< turn rate since the last slot [rad/s]
+  double last_change_ = 0;   ///< of the view, in the last sweep
   double since_jump_ = 1e9;  ///< [s] of the last jump of the view
   bool doubted_ = false;     ///< something stood in for the gyro since begin()
   /// [s] without a break.
