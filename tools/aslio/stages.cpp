@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "aslio/plugin/shared_object.hpp"
+#include "console.hpp"
 #include "register_all.hpp"
 
 namespace aslio::cli {
@@ -18,7 +19,9 @@ void add_plugin_option(CLI::App& app, std::vector<std::string>& files) {
 Stages load_stages(const std::vector<std::string>& plugin_files) {
   Stages stages;
   plugins::register_all(stages.catalog);
-  for (auto& object : plugin::load_shared_objects(stages.catalog, plugin_files, plugin::plugin_search_path())) {
+  for (auto& object : plugin::load_shared_objects(stages.catalog, plugin_files, plugin::plugin_search_path(),
+                                                  plugin::writable_plugins())) {
+    if (!object.warning.empty()) tell("warning: " + object.warning);
     stages.files.push_back({std::move(object.path), std::move(object.sha256)});
   }
   return stages;

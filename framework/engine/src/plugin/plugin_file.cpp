@@ -18,21 +18,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Throws unless nobody but its owner and group could have put the file there.
-void require_trusted(const fs::path& real, const fs::path& file) {
+/// Why somebody besides its owner and group could have put the file there; empty: nobody could. Throws for what is no
+/// regular file.
+std::string why_untrusted(const fs::path& real, const fs::path& file) {
   const struct stat status = plugin_file_status(real, file);
   if (!S_ISREG(status.st_mode)) refuse_plugin(file, "is not a regular file");
-  if ((status.st_mode & S_IWOTH) != 0) refuse_plugin(file, "can be written by anybody: chmod o-w it");
+  if ((status.st_mode & S_IWOTH) != 0) return "can be written by anybody: chmod o-w it";
   bool nearest = true;
   for (fs::path directory = real.parent_path();; directory = directory.parent_path()) {
     const mode_t mode = plugin_file_status(directory, file).st_mode;
     // In a directory with the sticky bit nobody can replace the entries of others: enough for all but the file's own.
     if ((mode & S_IWOTH) != 0 && (nearest || (mode & S_ISVTX) == 0)) {
-      refuse_plugin(file, fmt::format("its directory {} can be written by anybody: move the plugin elsewhere",
-                                      directory.string()));
+      return fmt::format("its directory {} can be written by anybody: move the plugin elsewhere", directory.string());
     }
     nearest = false;
-    if (directory == directory.parent_path()) return;
+    if (directory == directory.parent_path()) return {};
   }
 }
 
@@ -85,18 +85,25 @@ struct stat plugin_file_status(const fs::path& path, const fs::path& file) {
   return status;
 }
 
-fs::path check_plugin_file(const fs::path& file) {
+CheckedPlugin check_plugin_file(const fs::path& file, WritablePlugins writable) {
   std::error_code error;
-  const fs::path real = fs::canonical(file, error);
+  CheckedPlugin checked{fs::canonical(file, error), {}};
   if (error) refuse_plugin(file, fmt::format("cannot be found: {}", error.message()));
-  require_trusted(real, file);
-  const auto size = static_cast<std::uint64_t>(std::max<off_t>(plugin_file_status(real, file).st_size, 0));
-  if (!is_whole(real, size)) {
+  if (const std::string why = why_untrusted(checked.path, file); !why.empty()) {
+    if (writable == WritablePlugins::refused) {
+      refuse_plugin(file, fmt::format("{}. Where rights cannot be set (a Windows drive under WSL, a shared folder of a "
+                                      "virtual machine, some containers), {}=1 allows it for --plugin",
+                                      why, kAllowWritableVariable));
+    }
+    checked.warning = fmt::format("plugin {}: {}; loaded, by {}", file.string(), why, kAllowWritableVariable);
+  }
+  const auto size = static_cast<std::uint64_t>(std::max<off_t>(plugin_file_status(checked.path, file).st_size, 0));
+  if (!is_whole(checked.path, size)) {
     refuse_plugin(file, fmt::format("is cut short or damaged: its headers name parts that lie behind its {} bytes; "
                                     "build it again, or copy it again from its origin",
                                     size));
   }
-  return real;
+  return checked;
 }
 
 }  // namespace aslio::plugin

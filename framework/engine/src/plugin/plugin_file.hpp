@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <string>
 
+#include "aslio/plugin/shared_object.hpp"
+
 namespace aslio::plugin {
 
 /// Throws ConfigError: "plugin FILE: REASON".
@@ -14,9 +16,14 @@ namespace aslio::plugin {
 /// Of `path`, which belongs to the plugin `file`. Throws ConfigError naming both.
 struct stat plugin_file_status(const std::filesystem::path& path, const std::filesystem::path& file);
 
-/// The file without symbolic links, once nobody but its owner and group could have put it there, and it is as long as
-/// its headers say. Throws ConfigError naming the file and the reason. A file of another format passes: the loader
-/// knows better what is wrong with it.
-std::filesystem::path check_plugin_file(const std::filesystem::path& file);
+struct CheckedPlugin {
+  std::filesystem::path path;  ///< without symbolic links
+  std::string warning;         ///< what would have been refused; empty: nothing
+};
+
+/// The file, once nobody but its owner and group could have put it there (or `writable` allows that), and it is as long
+/// as its headers say. Throws ConfigError naming the file, the reason and the remedy. A file of another format passes:
+/// the loader knows better what is wrong with it.
+CheckedPlugin check_plugin_file(const std::filesystem::path& file, WritablePlugins writable);
 
 }  // namespace aslio::plugin

@@ -102,9 +102,11 @@ Catalog registered(const AslioPlugin& entry, const fs::path& real, const fs::pat
 
 }  // namespace
 
-SharedObject load_shared_object(Catalog& catalog, const fs::path& file) {
+SharedObject load_shared_object(Catalog& catalog, const fs::path& file, WritablePlugins writable) {
   SharedObject object;
-  object.path = check_plugin_file(file);
+  CheckedPlugin checked = check_plugin_file(file, writable);
+  object.path = std::move(checked.path);
+  object.warning = std::move(checked.warning);
   const struct stat hashed = plugin_file_status(object.path, file);
   try {
     object.sha256 = sha256_of_file(object.path);
@@ -165,7 +167,7 @@ std::vector<fs::path> shared_objects_in(const fs::path& directory) {
 }  // namespace
 
 std::vector<SharedObject> load_shared_objects(Catalog& catalog, std::span<const std::string> files,
-                                              std::string_view search_path) {
+                                              std::string_view search_path, WritablePlugins writable) {
   std::vector<fs::path> wanted(files.begin(), files.end());
   while (!search_path.empty()) {
     const std::size_t end = std::min(search_path.find(':'), search_path.size());
@@ -175,12 +177,14 @@ std::vector<SharedObject> load_shared_objects(Catalog& catalog, std::span<const 
     if (!search_path.empty()) search_path.remove_prefix(1);
   }
   std::vector<SharedObject> objects;
-  for (const fs::path& file : wanted) {
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const fs::path& file = wanted[i];
     std::error_code error;
     const fs::path real = fs::canonical(file, error);
     const bool known = !error && std::any_of(objects.begin(), objects.end(),
                                              [&](const SharedObject& object) { return object.path == real; });
-    if (!known) objects.push_back(load_shared_object(catalog, file));
+    const auto rights = i < files.size() ? writable : WritablePlugins::refused;
+    if (!known) objects.push_back(load_shared_object(catalog, file, rights));
   }
   return objects;
 }
@@ -188,6 +192,11 @@ std::vector<SharedObject> load_shared_objects(Catalog& catalog, std::span<const 
 std::string plugin_search_path() {
   const char* value = std::getenv("ASLIO_PLUGIN_PATH");
   return value != nullptr ? value : "";
+}
+
+WritablePlugins writable_plugins() {
+  const char* value = std::getenv(kAllowWritableVariable);
+  return value != nullptr && std::string_view(value) == "1" ? WritablePlugins::allowed : WritablePlugins::refused;
 }
 
 }  // namespace aslio::plugin
