@@ -122,13 +122,18 @@ TEST_CASE("other files are named for what they are") {
   };
   CHECK(contains(refusal(""), "empty"));
   CHECK(contains(refusal("#ROSBAG V1.2\n"), "rosbag fix"));
-  CHECK(contains(refusal("SQLite format 3"), "rosbags-convert"));
+  CHECK(contains(refusal("SQLite format 3"), "a rosbag2 database"));
   CHECK(contains(refusal("\x89MCAP0\r\n"), "MCAP"));
   CHECK(contains(refusal("\xFD"
                          "7zXZ and more"),
                  "unpack it first: `xz -dk FILE`"));
   CHECK(contains(refusal("\x1F\x8B and more"), "`gunzip -k FILE`"));
-  CHECK(contains(refusal("hello, this is text"), "not a ROS1 bag"));
+  CHECK(contains(refusal("hello, this is text"), "of no known recording: a ROS1 bag (.bag), an MCAP file (.mcap)"));
+  CHECK(contains(refusal("# .PCD v0.7 - Point Cloud"), "give the folder that holds all scans"));
+  CHECK(contains(refusal("LASF and more"), "a point cloud without the times of a recording"));
+  const std::string livox("livox_tech\0\0\0\0\0\0", 16);
+  CHECK(contains(refusal(livox + std::string("\1\1\0\0 and more", 13)), "`lvx_to_rosbag`"));
+  CHECK(contains(refusal(livox + std::string("\2\0\0\0 and more", 13)), "an LVX2 file of Livox, which has points"));
   CHECK(contains(data_error([&] { BagReader{folder / "absent.bag"}; }), "absent.bag"));
   CHECK(contains(data_error([&] { BagReader{folder.path()}; }), "not a regular file"));
 }

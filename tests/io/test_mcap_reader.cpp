@@ -294,7 +294,7 @@ TEST_CASE("a recording is opened as what its first bytes tell") {
   CHECK(contains(refusal("\x89MCAP1\r\n and more"), "another version"));
   CHECK(contains(refusal("\x89MCAP0\r"), "ends inside its first 8 bytes"));
   CHECK(contains(refusal("\x89MCAP0\r\n"), "ends inside its header"));
-  CHECK(contains(refusal("hello, this is text"), "not a ROS1 bag"));
+  CHECK(contains(refusal("hello, this is text"), "of no known recording"));
   write_bytes(folder / "x", {1, 2, 3});
   CHECK(contains(data_error([&] { McapReader{folder / "x"}; }), "not an MCAP file"));
   write_bytes(folder / "x", {});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "../foreign_file.hpp"
 #include "aslio/core/errors.hpp"
 #include "chunk.hpp"
 
@@ -14,22 +15,10 @@ struct FileHeader {
 };
 
 /// Names what the file is instead, where its first bytes tell.
-std::string foreign_format(ByteView& view) {
-  const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(view.size(), 16));
+std::string instead_of_bag(ByteView& view) {
+  const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(view.size(), kForeignHead));
   const std::string_view start(reinterpret_cast<const char*>(view.at(0, count)), count);
-  if (start.starts_with("#ROSBAG V1")) return "a bag of format 1; convert it with `rosbag fix`";
-  if (start.starts_with("SQLite format 3")) return "a ROS2 bag (sqlite3); convert it with `rosbags-convert`";
-  if (start.starts_with("\x89MCAP")) return "an MCAP file, not a ROS1 bag";
-  using Packed = std::pair<std::string_view, std::string_view>;  // first bytes, and the command that unpacks
-  for (const auto& [magic, command] : {Packed("\xFD"
-                                              "7zXZ",
-                                              "xz -dk"),
-                                       Packed("\x1F\x8B", "gunzip -k"), Packed("BZh", "bunzip2 -k"),
-                                       Packed("\x28\xB5\x2F\xFD", "zstd -dk"), Packed("PK\x03\x04", "unzip")}) {
-    if (start.starts_with(magic)) return fmt::format("compressed as a whole; unpack it first: `{} FILE`", command);
-  }
-  if (kMagic.starts_with(start)) return "a bag that ends inside its first line";
-  return "not a ROS1 bag (it does not start with '#ROSBAG V2.0')";
+  return kMagic.starts_with(start) ? "a bag that ends inside its first line" : foreign_format(start);
 }
 
 FileHeader read_file_header(const InputFile& file, ByteView& view, const Limits& limits) {
@@ -37,7 +26,7 @@ FileHeader read_file_header(const InputFile& file, ByteView& view, const Limits&
   if (file.size() == 0) throw DataError(fmt::format("{}: the file is empty", name));
   if (file.size() < kMagic.size() ||
       std::string_view(reinterpret_cast<const char*>(view.at(0, kMagic.size())), kMagic.size()) != kMagic) {
-    throw DataError(fmt::format("{}: {}", name, foreign_format(view)));
+    throw DataError(fmt::format("{}: {}", name, instead_of_bag(view)));
   }
   Record record;
   std::string why;
