@@ -160,6 +160,32 @@ TEST_CASE("what the header stamp and the point times are of can be declared") {
   CHECK(packet.points.back().t == packet.stamp);
 }
 
+TEST_CASE("sweeps that end after their messages were recorded are named, with the key that mends it") {
+  TemporaryFolder folder;
+  const auto warned = [&](const Recording& recording, LidarStamp stamp) {
+    SensorConfig sensor;
+    sensor.times.lidar_stamp = stamp;
+    const auto source = opened(folder, recording, sensor);
+    drain(*source);
+    return contains(source->notes().warnings, "sweeps end 0.094 s after their messages were recorded") &&
+           contains(source->notes().warnings, "`lidar_stamp: end`");
+  };
+  // The stamp is of the end of the sweep, 4 ms before the message is recorded.
+  Recording at_end = recording_of([](TimeNs) { return usual(); });
+  at_end.recorded = [](TimeNs stamp) { return stamp + 5'000'000; };
+  at_end.imu_stamp = [](int, TimeNs stamp) { return stamp + 4'000'000; };
+  CHECK(warned(at_end, LidarStamp::automatic));
+  CHECK_FALSE(warned(at_end, LidarStamp::end));
+  // Of its begin: the message comes a sweep later.
+  Recording at_begin = at_end;
+  at_begin.recorded = [](TimeNs stamp) { return stamp + 105'000'000; };
+  at_begin.imu_stamp = [](int, TimeNs stamp) { return stamp + 104'000'000; };
+  CHECK_FALSE(warned(at_begin, LidarStamp::automatic));
+  // A conversion took the stamps for the times of recording.
+  Recording converted = recording_of([](TimeNs) { return usual(); });
+  CHECK_FALSE(warned(converted, LidarStamp::automatic));
+}
+
 TEST_CASE("a header of another clock is no harm where point times are of the IMU's") {
   TemporaryFolder folder;
   const Recording recording = recording_of([](TimeNs stamp) {

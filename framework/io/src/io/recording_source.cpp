@@ -9,6 +9,7 @@
 #include "imu_stamps.hpp"
 #include "lidar_decoder.hpp"
 #include "stamp_clock.hpp"
+#include "sweep_end_check.hpp"
 #include "topic_chooser.hpp"
 
 namespace aslio::io {
@@ -33,7 +34,8 @@ class RecordingSource final : public MeasurementSource {
         sweep_period_(to_ns(sensor.model.sweep_period)),
         lidar_offset_(to_ns(sensor.times.lidar_time_offset)),
         scan_lines_(sensor.model.scan_lines),
-        gyro_unit_(sensor.gyro_unit) {
+        gyro_unit_(sensor.gyro_unit),
+        sweep_end_(sweep_period_) {
     refuse_without_message();
     notes_.verdicts = reader_->verdicts();
     const std::string cut = if_cut();
@@ -87,6 +89,7 @@ class RecordingSource final : public MeasurementSource {
     add_reader_warnings();
     judge_all_imu();
     judge_lines();
+    if (const std::string why = sweep_end_.doubt(); !why.empty()) warn(sweep_end_warning_, why);
     if (const std::string remark = decoder_->remark(); !remark.empty()) warn(packets_warning_, remark);
   }
 
@@ -308,10 +311,21 @@ class RecordingSource final : public MeasurementSource {
       return std::nullopt;
     }
     move(packet, received_ ? *stamp_of(message, false) - packet.stamp : lidar_offset_);
+    judge_sweep_end(packet, message);
     points_ += packet.points.size();
     beyond_lines_ += packet.beyond_lines;
     highest_line_ = std::max(highest_line_, packet.highest_line);
     return packet;
+  }
+
+  /// Points of the future: recorders are late, never early.
+  void judge_sweep_end(const LidarPacket& packet, const RawMessage& message) {
+    const auto header = decode::header_stamp(message);
+    if (received_ || decoder_->own_clock() || sweep_end_.decided() || !imu_clock_.offset() || !header) return;
+    const TimeNs apart = *imu_clock_.offset() - units_.delay;
+    sweep_end_.add(packet, *header + lidar_offset_, message.time + apart);
+    if (!sweep_end_.decided()) return;
+    if (const std::string why = sweep_end_.doubt(); !why.empty()) warn(sweep_end_warning_, why);
   }
 
   static void move(LidarPacket& packet, TimeNs by) {
@@ -369,14 +383,15 @@ class RecordingSource final : public MeasurementSource {
   TimeNs newest_imu_ = kTimeMin, newest_lidar_ = kTimeMin;
   std::uint32_t sweeps_ = 0;
   std::size_t reader_warnings_ = 0;
-  std::optional<std::size_t> skip_warning_, too_fast_warning_, doubt_warning_, lines_warning_,
-      packets_warning_;  ///< places in the notes
+  std::optional<std::size_t> skip_warning_, too_fast_warning_, doubt_warning_, lines_warning_, packets_warning_,
+      sweep_end_warning_;  ///< places in the notes
   std::string first_skipped_;
   std::uint64_t points_ = 0, beyond_lines_ = 0;  ///< taken; dropped for their line alone
   int scan_lines_;
   std::uint8_t highest_line_ = 0;  ///< of those that were dropped
   GyroUnit gyro_unit_;
   decode::GyroRange gyro_range_;
+  SweepEndCheck sweep_end_;
 };
 
 }  // namespace
