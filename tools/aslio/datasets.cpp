@@ -103,24 +103,48 @@ std::string extrinsics_text(const FamilySequence& sequence) {
   return text;
 }
 
+/// Where the point or frame of a reference is.
+std::string place_text(const io::ReferenceSpec& written) {
+  const io::ReferenceSpec spec = io::with_protocol(written);
+  if (!spec.frame.empty()) return "frame " + spec.frame;
+  if (!spec.lever_arm.empty()) {
+    return fmt::format("point ({:g}) m in the IMU frame", fmt::join(spec.lever_arm, " "));
+  }
+  if (spec.T_imu_reference.is_identity()) return "frame of the IMU";
+  return fmt::format("frame at ({:g}) m in the IMU frame", fmt::join(spec.T_imu_reference.translation, " "));
+}
+
 std::string reference_text(const FamilySequence& sequence) {
   if (!sequence.reference) return "none";
   const io::ReferenceSpec& spec = *sequence.reference;
-  std::string text = spec.file;
-  if (!spec.topic.empty()) text += ", topic " + spec.topic;
-  if (spec.positions_only == io::PositionsOnly::yes || spec.protocol == io::Protocol::ntu_viral) {
-    text += ", positions only";
-  }
-  return text;
+  const bool positions = io::with_protocol(spec).positions_only == io::PositionsOnly::yes;
+  return fmt::format("{}{}; {}{}", spec.file, spec.topic.empty() ? "" : ", topic " + spec.topic,
+                     positions ? "positions only, " : "", place_text(spec));
 }
 
-/// Sensor file, extrinsics and reference of all sequences of one variant. Pre: there is one at least.
-std::string variant_text(const Family& family, const std::string& variant) {
-  const auto first = std::find_if(family.sequences.begin(), family.sequences.end(),
-                                  [&](const FamilySequence& sequence) { return sequence.variant == variant; });
-  std::string text = variant.empty() ? std::string() : fmt::format("variant {}\n", variant);
-  text += entry("sensor", first->sensor.string());
-  text += "T_imu_lidar\n" + extrinsics_text(*first);
+/// Sensor file, extrinsics and reference of a sequence, and of all others of its variant.
+std::string parts_text(const FamilySequence& sequence) {
+  return entry("sensor", sequence.sensor.string()) + "T_imu_lidar\n" + extrinsics_text(sequence) +
+         entry("reference", reference_text(sequence));
+}
+
+/// The parts of all variants; what several have in common stands once.
+std::string variants_text(const Family& family) {
+  std::vector<std::pair<std::string, std::string>> shown;  // names, parts
+  std::vector<std::string> names;
+  for (const FamilySequence& sequence : family.sequences) {
+    if (std::find(names.begin(), names.end(), sequence.variant) != names.end()) continue;
+    names.push_back(sequence.variant);
+    const std::string parts = parts_text(sequence), name = sequence.variant.empty() ? "-" : sequence.variant;
+    const auto same = std::find_if(shown.begin(), shown.end(), [&](const auto& s) { return s.second == parts; });
+    if (same == shown.end()) {
+      shown.emplace_back(name, parts);
+    } else {
+      same->first += ", " + name;
+    }
+  }
+  std::string text;
+  for (const auto& [name, parts] : shown) text += (shown.size() > 1 ? "variant " + name + "\n" : "") + parts;
   return text;
 }
 
@@ -146,14 +170,9 @@ std::string family_text(const Family& family) {
   std::string text = fmt::format("{}: {}\n", family.name, config.title);
   text += entry("", config.description) + entry("sensors", config.sensors) + entry("licence", config.licence);
   text += entry("citation", config.citation) + entry("url", config.url) + entry("verified", config.verified);
-  std::vector<std::string> shown;
   std::vector<const FamilySequence*> all;
-  for (const FamilySequence& sequence : family.sequences) {
-    all.push_back(&sequence);
-    if (std::find(shown.begin(), shown.end(), sequence.variant) != shown.end()) continue;
-    shown.push_back(sequence.variant);
-    text += variant_text(family, sequence.variant);
-  }
+  for (const FamilySequence& sequence : family.sequences) all.push_back(&sequence);
+  text += variants_text(family);
   text += sequences_text(all);
   return text + fmt::format("aslio run PIPELINE --dataset {}/{} --data DIR --output OUT\n", family.name,
                             family.sequences.front().name);
@@ -161,8 +180,7 @@ std::string family_text(const Family& family) {
 
 std::string sequence_text(const Family& family, const FamilySequence& sequence) {
   std::string text = fmt::format("{}/{}: {}\n", family.name, sequence.name, family.config.title);
-  text += variant_text(family, sequence.variant);
-  text += entry("reference", reference_text(sequence));
+  text += parts_text(sequence);
   return text + entry("url", family.config.url) + sequences_text({&sequence});
 }
 
