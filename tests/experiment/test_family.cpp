@@ -260,7 +260,7 @@ TEST_CASE("a dataset file takes a list of inputs and patterns") {
   CHECK(load("[imu.bag, 'lidar_*.bag']").inputs ==
         std::vector<fs::path>{files.data() / "imu.bag", files.data() / "lidar_*.bag"});
   CHECK(load("imu.bag").inputs == std::vector<fs::path>{files.data() / "imu.bag"});
-  CHECK_THAT(load("imu.bag").resolved, Contains("input: \"imu.bag\""));  // as before there were lists
+  CHECK_THAT(load("imu.bag").resolved, Contains("input: imu.bag\n"));  // as before there were lists
   CHECK_THROWS_WITH(load("[imu.bag, gone.bag]"), Contains("dataset.yaml:3:8: ") && Contains("gone.bag"));
   CHECK_THROWS_WITH(load("'gone_*.bag'"), Contains("matches nothing"));
   CHECK_THROWS_WITH(load("[]"), Contains("is required"));

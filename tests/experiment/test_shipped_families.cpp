@@ -95,7 +95,8 @@ TEST_CASE("every shipped family finds its files where its patterns say") {
 
 TEST_CASE("the table of families in the documentation is the one of the files") {
   std::ifstream page(fs::path(ASLIO_SOURCE_DIR) / "docs/datasets.md");
-  const std::string text(std::istreambuf_iterator<char>(page), {});
+  std::string text(std::istreambuf_iterator<char>(page), {});
+  text.resize(std::min(text.find("\n## "), text.size()));  // the first table
   std::size_t rows = 0;
   for (const Family& family : shipped()) {
     const std::string row = "| `" + family.name + "` | " + family.config.title + " | " + family.config.sensors + " | " +

@@ -62,7 +62,8 @@ void add_dataset_options(CLI::App& app, std::string& dataset, std::string& data)
 experiment::Dataset find_dataset(const std::string& dataset, const std::string& data) {
   if (data.empty()) return dataset_at(dataset);
   const auto name = experiment::parse_family_name(dataset);
-  if (!name) {
+  std::error_code ignored;
+  if (!name || fs::is_regular_file(dataset, ignored)) {
     throw ConfigError(
         fmt::format("--dataset {}: with --data it is FAMILY/SEQUENCE, as in newer_college_2021/quad_hard "
                     "(`aslio datasets` lists the families)",
