@@ -144,7 +144,10 @@ std::string variants_text(const Family& family) {
     }
   }
   std::string text;
-  for (const auto& [name, parts] : shown) text += (shown.size() > 1 ? "variant " + name + "\n" : "") + parts;
+  for (const auto& [name, parts] : shown) {
+    if (shown.size() > 1) text += fmt::format("variant {}\n", name);
+    text += parts;
+  }
   return text;
 }
 
