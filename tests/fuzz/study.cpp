@@ -1,11 +1,12 @@
 #include "aslio/experiment/study.hpp"
 
 #include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/family.hpp"
 #include "fuzz/stages.hpp"
 #include "fuzz/yaml.hpp"
 
 // A study file, with what it may name beside it: files of one input, of which study.yaml is read as a study, and
-// dataset.yaml as a dataset.
+// dataset.yaml as a dataset and as a family.
 ASLIO_FUZZ_TARGET(study) {
   const auto& at = unpacked(
       bytes, {"study.yaml", "pipeline.yaml", "scene.yaml", "dataset.yaml", "sensor.yaml", "truth.tum", "data.bag"});
@@ -24,4 +25,5 @@ ASLIO_FUZZ_TARGET(study) {
     }
   });
   accepts([&] { (void)experiment::load_dataset(at / "dataset.yaml"); });
+  accepts([&] { (void)experiment::load_family(at / "dataset.yaml"); });
 }
