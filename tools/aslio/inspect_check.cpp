@@ -34,7 +34,8 @@ std::vector<experiment::PublishedExtrinsic> published(const std::vector<std::str
 experiment::FrameCheckOptions options_of(const FrameCheckArguments& a, const Recording& recording,
                                          const Stages& stages) {
   experiment::FrameCheckOptions options;
-  options.motion.pipeline = a.pipeline.empty() ? data_path("configs/pipelines/ct_icp.yaml") : a.pipeline;
+  options.motion.pipeline =
+      a.pipeline.empty() ? data_path("configs/pipelines/ct_icp.yaml") : std::filesystem::path(a.pipeline);
   options.motion.inputs = recording.inputs;
   options.motion.section = recording.section;
   options.motion.sensor =
