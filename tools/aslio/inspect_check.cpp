@@ -34,8 +34,12 @@ std::vector<experiment::PublishedExtrinsic> published(const std::vector<std::str
 experiment::FrameCheckOptions options_of(const FrameCheckArguments& a, const Recording& recording,
                                          const Stages& stages) {
   experiment::FrameCheckOptions options;
-  options.motion.pipeline =
-      a.pipeline.empty() ? data_path("configs/pipelines/ct_icp.yaml") : std::filesystem::path(a.pipeline);
+  options.motion.pipeline = a.pipeline;
+  if (a.pipeline.empty()) {
+    options.motion.pipeline = data_path("configs/pipelines/ct_icp.yaml");
+    // A third of a sweep: the motion within a window is taken for uniform, and that of a gait is not over a whole one.
+    options.motion.overrides = {"window.period=0.033", "window.cut=time"};
+  }
   options.motion.inputs = recording.inputs;
   options.motion.section = recording.section;
   options.motion.sensor =

@@ -59,7 +59,10 @@ Eigen::MatrixXd ClusteredFit::covariance() const {
     mean += moved.back() / n;
   }
   for (const Eigen::VectorXd& x : moved) scatter += (x - mean) * (x - mean).transpose();
-  return (n - 1.0) / n * scatter + inverse * prior_information_.asDiagonal() * inverse;
+  // Of few clusters the scatter is known badly, and differences in three directions are larger than it says
+  // (Hotelling).
+  const double few = (n - 1.0) / std::max(n - 5.0, 1.0);
+  return few * (n - 1.0) / n * scatter + inverse * prior_information_.asDiagonal() * inverse;
 }
 
 double spread_of(std::vector<double> lengths, double least) {

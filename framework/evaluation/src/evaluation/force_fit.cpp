@@ -232,7 +232,8 @@ class Solver {
   Eigen::MatrixXd covariance_;
 };
 
-void weigh_gravity(const std::vector<Vec3>& gravities, ForceFit& fit) {
+/// `common`: deviation of the bias, which all pieces share [m/s^2].
+void weigh_gravity(const std::vector<Vec3>& gravities, double common, ForceFit& fit) {
   std::vector<double> lengths;
   for (const Vec3& g : gravities) {
     lengths.push_back(g.norm());
@@ -245,7 +246,8 @@ void weigh_gravity(const std::vector<Vec3>& gravities, ForceFit& fit) {
   fit.gravity = lengths[n / 2];
   // Half the distance of the quartiles is 0.674 sigma, and the median of n has 1.25 sigma / sqrt(n).
   const double sigma = (lengths[(3 * n) / 4] - lengths[n / 4]) / 1.349;
-  fit.sigma_gravity = 1.2533 * sigma / std::sqrt(static_cast<double>(n));
+  fit.sigma_gravity =
+      std::hypot(1.2533 * sigma / std::sqrt(static_cast<double>(n)), common, kSigmaKnownScale * kStandardGravity);
 }
 
 }  // namespace
@@ -270,7 +272,7 @@ ForceFit fit_force(std::span<const MotionStretch> a, std::span<const ImuSample> 
   fit.lever = solver.x().tail<3>();
   fit.covariance = solver.covariance().bottomRightCorner<3, 3>();
   fit.rms = solver.sigma();
-  weigh_gravity(solver.gravities(), fit);
+  weigh_gravity(solver.gravities(), std::sqrt(solver.covariance().diagonal().segment<3>(3).maxCoeff()), fit);
   return fit;
 }
 

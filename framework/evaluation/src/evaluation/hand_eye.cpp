@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -12,7 +13,7 @@ namespace aslio::evaluation {
 
 namespace {
 
-constexpr TimeNs kCluster = 3 * kSecond;
+constexpr TimeNs kCluster = 4 * kSecond;  // motions of 3 s that overlap are alike
 constexpr std::size_t kFewest = 20;
 constexpr int kIterations = 10;
 constexpr double kSlope = 5e-3;                          // [s] of a central difference over the delay
@@ -23,10 +24,11 @@ constexpr double kStep = 0.2;  // [s] between the starts of two motions
 struct Motion {
   TimeNs begin, end, window;
   Vec3 turn, shift;  ///< of A, in its axes at the begin
+  std::size_t kind;  ///< 0: of the shorter span
 };
 
-std::vector<Motion> motions_of(std::span<const MotionStretch> stretches, TimeNs span) {
-  std::vector<Motion> out;
+/// Long motions turn more, and short ones drift less.
+void add_motions(std::span<const MotionStretch> stretches, TimeNs span, std::size_t kind, std::vector<Motion>& out) {
   for (const MotionStretch& s : stretches) {
     TimeNs next = kTimeMin;
     std::size_t j = 0;
@@ -36,10 +38,9 @@ std::vector<Motion> motions_of(std::span<const MotionStretch> stretches, TimeNs 
       if (from.t < next) continue;
       next = from.t + to_ns(kStep);
       const Pose T = from.T.inverse() * s.poses[j].T;
-      out.push_back({from.t, s.poses[j].t, s.window, log_so3(T.R), T.p});
+      out.push_back({from.t, s.poses[j].t, s.window, log_so3(T.R), T.p, kind});
     }
   }
-  return out;
 }
 
 /// The pose of B as a window around `t` shows it: its rotation there, and the mean of its positions.
@@ -108,7 +109,7 @@ class Solver {
 
   void load() {
     rows_.clear();
-    std::vector<double> turns, shifts;
+    std::array<std::vector<double>, 2> turns, shifts;
     const TimeNs d = to_ns(fit_.delay), h = to_ns(kSlope);
     const Pose& X = fit_.T_B_A;
     for (const Motion& m : motions_) {
@@ -121,11 +122,13 @@ class Solver {
               now->turn - X.R * m.turn,
               now->R * X.p + now->p - X.R * m.shift - X.p};
       rows_.push_back(row);
-      turns.push_back(row.turn.norm());
-      shifts.push_back(row.shift.norm());
+      turns[m.kind].push_back(row.turn.norm());
+      shifts[m.kind].push_back(row.shift.norm());
     }
-    sigma_turn_ = spread_of(std::move(turns), kLeastTurn);
-    sigma_shift_ = spread_of(std::move(shifts), kLeastShift);
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+      sigma_turn_[kind] = spread_of(std::move(turns[kind]), kLeastTurn);
+      sigma_shift_[kind] = spread_of(std::move(shifts[kind]), kLeastShift);
+    }
   }
 
   ClusteredFit build() const {
@@ -139,11 +142,12 @@ class Solver {
     Eigen::MatrixXd J(3, 7);
     for (const Row& row : rows_) {
       const auto cluster = static_cast<int>((row.motion->begin - motions_.front().begin) / kCluster);
-      const double wt = robust_weight(row.turn.norm(), sigma_turn_), ws = robust_weight(row.shift.norm(), sigma_shift_);
+      const double turn = sigma_turn_[row.motion->kind], shift = sigma_shift_[row.motion->kind];
+      const double weight = std::min(robust_weight(row.turn.norm(), turn), robust_weight(row.shift.norm(), shift));
       J << hat(fit_.T_B_A.R * row.motion->turn), Mat3::Zero(), row.turn_slope;
-      system.add(cluster, J, row.turn, std::min(wt, ws) / (sigma_turn_ * sigma_turn_));
+      system.add(cluster, J, row.turn, weight / (turn * turn));
       J << hat(fit_.T_B_A.R * row.motion->shift), Mat3(row.b.R - Mat3::Identity()), row.shift_slope;
-      system.add(cluster, J, row.shift, std::min(wt, ws) / (sigma_shift_ * sigma_shift_));
+      system.add(cluster, J, row.shift, weight / (shift * shift));
     }
     return system;
   }
@@ -157,11 +161,12 @@ class Solver {
   double rms() const {
     double n = 0, squares = 0;
     for (const Row& row : rows_) {
-      const double w = robust_weight(row.shift.norm(), sigma_shift_);
+      if (row.motion->kind != 0) continue;
+      const double w = robust_weight(row.shift.norm(), sigma_shift_[0]);
       n += w;
       squares += w * row.shift.squaredNorm();
     }
-    return std::sqrt(squares / n);
+    return n > 0 ? std::sqrt(squares / n) : 0;
   }
 
   void conclude(const Eigen::MatrixXd& covariance) {
@@ -178,7 +183,7 @@ class Solver {
   Mat3 start_;
   HandEye& fit_;
   std::vector<Row> rows_;
-  double sigma_turn_ = kLeastTurn, sigma_shift_ = kLeastShift;
+  std::array<double, 2> sigma_turn_{}, sigma_shift_{};  ///< by kind [rad], [m]
 };
 
 }  // namespace
@@ -186,7 +191,11 @@ class Solver {
 HandEye fit_hand_eye(std::span<const MotionStretch> a, const Trajectory& b, const HandEyeOptions& options) {
   HandEye fit;
   fit.delay = options.delay;
-  const std::vector<Motion> motions = motions_of(a, to_ns(options.span));
+  std::vector<Motion> motions;
+  add_motions(a, to_ns(options.span), 0, motions);
+  add_motions(a, to_ns(3 * options.span), 1, motions);
+  // Motions of one time are of one cluster.
+  std::stable_sort(motions.begin(), motions.end(), [](const Motion& x, const Motion& y) { return x.begin < y.begin; });
   if (motions.size() < kFewest) {
     fit.problem = fmt::format("too short: {} motions of {:g} s, {} are needed", motions.size(), options.span, kFewest);
     return fit;

@@ -14,9 +14,10 @@ namespace aslio::evaluation {
 
 namespace {
 
-constexpr TimeNs kCluster = 3 * kSecond;
-constexpr double kCoarseStep = 0.01;  // [s]
-constexpr double kSlope = 2e-3;       // [s] of a central difference over the delay
+constexpr TimeNs kCluster = 2 * kSecond;
+constexpr double kStep = 0.1, kTurn = 0.2;  // [s] of a turn, for the coarse delay and for the fit
+constexpr double kCoarseStep = 0.01;        // [s]
+constexpr double kSlope = 2e-3;             // [s] of a central difference over the delay
 constexpr std::size_t kFewest = 30, kMostCoarse = 2000;
 constexpr double kLeastNoise = 1e-5;  // [rad] of a turn
 constexpr int kIterations = 8;
@@ -30,12 +31,15 @@ struct Turn {
   Vec3 a;
 };
 
-std::vector<Turn> turns_of(std::span<const MotionStretch> stretches, std::size_t lag) {
+/// From every pose to the first one that is `span` later.
+std::vector<Turn> turns_of(std::span<const MotionStretch> stretches, double span) {
   std::vector<Turn> out;
   for (const MotionStretch& s : stretches) {
-    for (std::size_t i = 0; i + lag < s.poses.size(); ++i) {
-      const StampedPose &from = s.poses[i], &to = s.poses[i + lag];
-      out.push_back({from.t, to.t, s.window, log_so3(from.T.R.transpose() * to.T.R)});
+    std::size_t j = 0;
+    for (const StampedPose& from : s.poses) {
+      while (j < s.poses.size() && s.poses[j].t < from.t + to_ns(0.99 * span)) ++j;
+      if (j == s.poses.size()) break;
+      out.push_back({from.t, s.poses[j].t, s.window, log_so3(from.T.R.transpose() * s.poses[j].T.R)});
     }
   }
   return out;
@@ -87,16 +91,17 @@ std::vector<Pair> pairs_at(const std::vector<Turn>& turns, const TurnSource& b, 
   return out;
 }
 
-double median_ratio(const std::vector<Pair>& pairs) {
-  double largest = 0;
-  for (const Pair& p : pairs) largest = std::max(largest, std::min(p.turn->a.norm(), p.b.norm()));
-  std::vector<double> ratios;
+/// Of the lengths of the turns that both take for large ones, B over A.
+double ratio_of(const std::vector<Pair>& pairs) {
+  double largest = 0, ab = 0, bb = 0;
+  const auto lesser = [](const Pair& p) { return std::min(p.turn->a.norm(), p.b.norm()); };
+  for (const Pair& p : pairs) largest = std::max(largest, lesser(p));
   for (const Pair& p : pairs) {
-    if (p.turn->a.norm() > 0.2 * largest) ratios.push_back(p.b.norm() / p.turn->a.norm());
+    if (lesser(p) < 0.3 * largest) continue;
+    ab += p.turn->a.norm() * p.b.norm();
+    bb += p.b.squaredNorm();
   }
-  if (ratios.empty()) return 1;
-  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
-  return ratios[ratios.size() / 2];
+  return ab > 0 ? bb / ab : 1;
 }
 
 /// The sign pattern and rotation whose turns fit best; where several do, the ones nearest to what is expected.
@@ -280,7 +285,7 @@ class Refiner {
 
 RotationFit fit_rotation(std::span<const MotionStretch> a, const TurnSource& b, const RotationFitOptions& options) {
   RotationFit fit;
-  const std::vector<Turn> steps = turns_of(a, 1), turns = turns_of(a, 2);
+  const std::vector<Turn> steps = turns_of(a, kStep), turns = turns_of(a, kTurn);
   const auto without = [&](std::string why) {
     fit.problem = std::move(why);
     return fit;
@@ -304,7 +309,7 @@ RotationFit fit_rotation(std::span<const MotionStretch> a, const TurnSource& b, 
     return without(fmt::format("the two rates have nothing in common: correlation {:.2f} at best within {:g} s",
                                fit.correlation, options.max_delay));
   }
-  fit.ratio = median_ratio(pairs);
+  fit.ratio = ratio_of(pairs);
   SignedRotation rough(pairs, options.expected, options.gyro ? 8 : 1, fit.ratio);
   if (rough.taken() < static_cast<double>(kFewest)) return without("the lengths of the turns do not agree");
   if (!signs_are_certain(rough.rotation(), rough.signs(), pairs)) {

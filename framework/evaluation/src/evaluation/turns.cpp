@@ -36,7 +36,8 @@ const GyroTurns::Knot* GyroTurns::knot_before(TimeNs t) const {
 
 std::optional<Vec3> GyroTurns::turn(TimeNs begin, TimeNs end) const {
   const Knot *from = knot_before(begin), *to = knot_before(end);
-  if (from == nullptr || to == nullptr || (to + 1)->gaps != from->gaps) return std::nullopt;
+  if (from == nullptr || to == nullptr || (std::max(from, to) + 1)->gaps != std::min(from, to)->gaps)
+    return std::nullopt;
   const auto at = [](const Knot& k, TimeNs t) { return Mat3(k.R * exp_so3(to_seconds(t - k.t) * k.rate)); };
   return log_so3(at(*from, begin).transpose() * at(*to, end));
 }
@@ -55,14 +56,22 @@ std::vector<TimeNs> window_offsets(TimeNs window) {
 }
 
 std::optional<Vec3> mean_turn(const TurnSource& source, TimeNs begin, TimeNs end, TimeNs window) {
-  Vec3 sum = Vec3::Zero();
   const std::vector<TimeNs> offsets = window_offsets(window);
-  for (const TimeNs offset : offsets) {
-    const auto turn = source.turn(begin + offset, end + offset);
-    if (!turn) return std::nullopt;
-    sum += *turn;
-  }
-  return Vec3(sum / static_cast<double>(offsets.size()));
+  const auto between = source.turn(begin, end);
+  if (!between || offsets.size() == 1) return between;
+  // From the attitude at a moment to the mean of those around it.
+  const auto to_mean = [&](TimeNs t) -> std::optional<Vec3> {
+    Vec3 sum = Vec3::Zero();
+    for (const TimeNs offset : offsets) {
+      const auto turn = source.turn(t, t + offset);
+      if (!turn) return std::nullopt;
+      sum += *turn;
+    }
+    return Vec3(sum / static_cast<double>(offsets.size()));
+  };
+  const auto from = to_mean(begin), to = to_mean(end);
+  if (!from || !to) return std::nullopt;
+  return log_so3(exp_so3(-*from) * exp_so3(*between) * exp_so3(*to));
 }
 
 }  // namespace aslio::evaluation

@@ -38,18 +38,23 @@ class PoseCollector final : public pipeline::UpdateObserver {
     last_end_ = end;
     const StampedPose pose{begin + window / 2, update->trajectory->pose(begin + window / 2)};
     if (follows) measure(pose);
-    if (!open_) stretch_ = {{}, window};
+    if (!open_) {
+      stretch_ = {{}, window};
+      begin_ = begin;
+    }
     open_ = true;
     last_ = pose;
-    if (++seen_ > kUnsettled) stretch_.poses.push_back(pose);
+    if (to_seconds(begin - begin_) >= kUnsettled) stretch_.poses.push_back(pose);
   }
 
   /// The stretch ends here.
   void cut() {
-    if (stretch_.poses.size() >= kShortest) motion_.stretches.push_back(std::move(stretch_));
+    const auto& poses = stretch_.poses;
+    if (!poses.empty() && to_seconds(poses.back().t - poses.front().t) >= kShortest) {
+      motion_.stretches.push_back(std::move(stretch_));
+    }
     stretch_ = {};
     open_ = false;
-    seen_ = 0;
   }
 
  private:
@@ -65,9 +70,8 @@ class PoseCollector final : public pipeline::UpdateObserver {
   evaluation::MotionStretch stretch_;
   bool open_ = false;
   std::uint32_t segment_ = 0;
-  TimeNs last_end_ = kTimeMin;
+  TimeNs begin_ = kTimeMin, last_end_ = kTimeMin;  ///< of the stretch, of the last window
   StampedPose last_;
-  std::size_t seen_ = 0;
 };
 
 /// Takes the IMU samples aside, and the time between messages.
@@ -114,7 +118,10 @@ class Pump {
 }  // namespace
 
 LidarMotion read_lidar_motion(const LidarMotionOptions& options, const plugin::Catalog& catalog, RunMonitor& monitor) {
-  const auto pipeline = config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog);
+  std::vector<config::Override> overrides;
+  for (const std::string& assignment : options.overrides) overrides.push_back({assignment});
+  const auto pipeline =
+      config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog, overrides);
   SensorModel model = options.sensor.model;
   model.T_imu_lidar = Pose{};  // the poses are those of the LiDAR
   exec::Executor executor(1);

@@ -13,7 +13,7 @@ struct HandEyeOptions {
   Mat3 start = Mat3::Identity();  ///< rotation of T_B_A where the search begins
   double delay = 0;               ///< [s] where the search begins
   double max_gap = 0.25;          ///< [s] of the poses of B to interpolate across
-  double span = 1.0;              ///< [s] of a relative motion
+  double span = 1.0;              ///< [s] of a relative motion; half of them have three times as much
 };
 
 /// p_B = T_B_A p_A; what A shows at its stamp t, B shows at its stamp t + delay.

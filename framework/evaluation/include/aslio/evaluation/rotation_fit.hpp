@@ -34,7 +34,7 @@ struct RotationFit {
 
 /// The rotation that takes the turns of B to those of A (Wahba's problem, also with one axis reversed), then least
 /// squares with delay, bias and errors of scale. Turns that do not fit weigh little. Standard deviations are of the
-/// scatter between stretches of three seconds, so that errors that last may do so. eq. FRM-2, FRM-3
+/// scatter between stretches of two seconds, so that errors that last may do so. eq. FRM-2, FRM-3
 RotationFit fit_rotation(std::span<const MotionStretch> a, const TurnSource& b, const RotationFitOptions& options = {});
 
 }  // namespace aslio::evaluation

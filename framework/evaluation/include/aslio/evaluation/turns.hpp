@@ -20,8 +20,8 @@ struct MotionStretch {
 class TurnSource {
  public:
   virtual ~TurnSource() = default;
-  /// Rotation vector from the body at `begin` to the body at `end`, in its axes [rad]; at most pi. Nothing where the
-  /// data do not cover the time.
+  /// Rotation vector from the body at `begin` to the body at `end`, in its axes [rad]; at most pi. `end` may be
+  /// earlier. Nothing where the data do not cover the time.
   virtual std::optional<Vec3> turn(TimeNs begin, TimeNs end) const = 0;
 };
 

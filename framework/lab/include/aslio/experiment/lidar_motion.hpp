@@ -13,7 +13,8 @@
 namespace aslio::experiment {
 
 struct LidarMotionOptions {
-  std::filesystem::path pipeline;  ///< one whose estimator takes no IMU data, as ct_icp.yaml
+  std::filesystem::path pipeline;      ///< one whose estimator takes no IMU data, as ct_icp.yaml
+  std::vector<std::string> overrides;  ///< `key.path=value` of it
   std::vector<std::filesystem::path> inputs;
   io::SensorConfig sensor;  ///< its T_imu_lidar is not used
   io::Section section;
