@@ -33,6 +33,7 @@ class Judge {
   void run() {
     axes_of_gyro_off_ = gyro_axes_are_off();
     judge_signs();
+    sign_is_wrong_ = check_.contradicts();
     judge_gyro_lidar();
     judge_clocks();
     judge_rest();
@@ -162,7 +163,10 @@ class Judge {
     }
     if (!d.known) return;
     const std::string size = fmt::format("{:.2f} +- {:.2f} deg", kDegPerRad * d.size, kDegPerRad * d.size_sigma);
-    if (d.contradicts) {
+    if (d.contradicts && sign_is_wrong_) {
+      say(FindingKind::note, subject,
+          fmt::format("rotation of {} off by {}: check again with the right signs", key, size));
+    } else if (d.contradicts) {
       say(FindingKind::contradicts, subject, fmt::format("the rotation of {} is off by {} ({})", key, size, axes), key,
           pose_of(corrected));
     } else {
@@ -259,7 +263,9 @@ class Judge {
     if (!d.known) return;
     const std::string size = fmt::format("{:.0f} +- {:.0f} mm", 1e3 * d.size, 1e3 * d.size_sigma);
     const std::string axes = by_axis(d, 1e3, 0, "mm");
-    if (d.contradicts) {
+    if (d.contradicts && sign_is_wrong_) {
+      say(FindingKind::note, subject, fmt::format("lever arm off by {}: check again with the right signs", size));
+    } else if (d.contradicts) {
       say(FindingKind::contradicts, subject, fmt::format("the translation of {} is off by {} ({})", key, size, axes),
           key, value);
     } else {
@@ -401,7 +407,7 @@ class Judge {
   Mat3 gyro_covariance_ = Mat3::Identity(), force_covariance_ = Mat3::Identity();
   Vec6 pose_off_ = Vec6::Zero();
   Mat6 pose_covariance_ = Mat6::Identity();
-  bool axes_of_gyro_off_ = false, reference_turned_ = false, reference_shifted_ = false;
+  bool sign_is_wrong_ = false, axes_of_gyro_off_ = false, reference_turned_ = false, reference_shifted_ = false;
 };
 
 }  // namespace

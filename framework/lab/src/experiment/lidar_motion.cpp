@@ -16,8 +16,8 @@ namespace aslio::experiment {
 
 namespace {
 
-constexpr std::size_t kUnsettled = 5;          // poses at the begin of a stretch, where the motion is not known yet
-constexpr std::size_t kShortest = 10;          // poses of a stretch that is worth keeping
+constexpr double kUnsettled = 0.5;             // [s] at the begin of a stretch, where the motion is not known yet
+constexpr double kShortest = 1.0;              // [s] of a stretch that is worth keeping
 constexpr double kTurns = 0.05, kMoves = 0.1;  // [rad/s], [m/s] of a window in motion
 
 /// Keeps the poses in the middle of the windows.
