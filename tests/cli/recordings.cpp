@@ -92,7 +92,9 @@ class Recorder {
 }  // namespace
 
 void write_bag(const std::filesystem::path& bag, const Recording& recording) {
-  const simulator::AnalyticWorld world;
+  simulator::Options options;
+  options.duration_scale = recording.slowness;
+  const simulator::AnalyticWorld world(options);
   const auto source = world.source();
   Recorder recorder(bag, recording);
   const TimeNs end = world.begin_time() + to_ns(recording.duration);

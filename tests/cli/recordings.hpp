@@ -8,6 +8,7 @@ namespace aslio::test {
 
 struct Recording {
   double duration = 2.0;                   ///< [s] of the world's walk, which starts at rest
+  double slowness = 1.0;                   ///< divides all speeds of the walk, up to 100
   double blind_from = 0, blind_until = 0;  ///< [s] no LiDAR message begins within
   std::string lidar_topic = "/livox/lidar";
   bool imu = true;

@@ -10,6 +10,7 @@
 #include "aslio/io/writers.hpp"
 #include "command.hpp"
 #include "console.hpp"
+#include "inspect_check.hpp"
 #include "recording.hpp"
 #include "stages.hpp"
 
@@ -18,7 +19,9 @@ namespace aslio::cli {
 namespace {
 
 struct InspectArguments {
-  std::string path, sensor, draft;
+  std::string path, draft;
+  RecordingArguments recording;
+  FrameCheckArguments frames;
 };
 
 /// Nobody's work is overwritten: a sensor file holds what was measured by hand.
@@ -32,15 +35,41 @@ void write_draft(const InspectArguments& a, const io::InputReport& report) {
   print(fmt::format("sensor file written: {}; fill in T_imu_lidar\n", a.draft));
 }
 
-int inspect(const InspectArguments& a) {
-  io::SensorConfig sensor;
-  if (!a.sensor.empty()) {
-    sensor = config::load<io::SensorConfig>(a.sensor, config::FileKind::sensor, load_stages({}).catalog).value;
+/// PATH is short for --input.
+RecordingArguments recording_of(const InspectArguments& a) {
+  RecordingArguments recording = a.recording;
+  if (!a.path.empty()) recording.inputs.insert(recording.inputs.begin(), a.path);
+  return recording;
+}
+
+int inspect(const InspectArguments& a, const CLI::App& app) {
+  RecordingArguments recording = recording_of(a);
+  if (a.frames.check) {
+    if (!a.draft.empty()) throw ConfigError("--write-sensor goes without --check: draft the sensor file first");
+    return check_recording(a.frames, recording, app);
   }
-  const io::InputReport report = io::inspect(a.path, sensor);
+  if (const std::string name = option_without_check(app, a.frames); !name.empty()) {
+    throw ConfigError(fmt::format("{} is an option of --check: give that, too, or leave it out", name));
+  }
+  std::string path, sensor_file = recording.sensor;
+  if (recording.dataset.empty()) {
+    if (recording.inputs.size() != 1) {
+      throw ConfigError("inspect reads one recording: give PATH, or --dataset; several --input need --check");
+    }
+    path = recording.inputs.front();
+  } else {
+    const Recording found = find_recording(recording, app);
+    path = found.inputs.front().string();
+    sensor_file = found.sensor.string();
+  }
+  io::SensorConfig sensor;
+  if (!sensor_file.empty()) {
+    sensor = config::load<io::SensorConfig>(sensor_file, config::FileKind::sensor, load_stages({}).catalog).value;
+  }
+  const io::InputReport report = io::inspect(path, sensor);
   print(io::render(report));
   if (!a.draft.empty()) write_draft(a, report);
-  if (!report.usable) complain(fmt::format("{}: unusable: {}", a.path, report.reason));
+  if (!report.usable) complain(fmt::format("{}: unusable: {}", path, report.reason));
   return report.usable && report.status == io::InputStatus::complete ? kSuccess : kBadData;
 }
 
@@ -53,15 +82,16 @@ Command add_inspect(CLI::App& root) {
   app->add_option(
          "PATH", arguments->path,
          "recording: a bag (.bag, .mcap, .db3), a network capture, a folder or pattern of parts, or a folder of files")
-      ->required()
       ->check(existing_input());
-  app->add_option("--sensor", arguments->sensor, "judges as a run with this sensor file would")
-      ->check(CLI::ExistingFile);
+  add_recording_options(*app, arguments->recording);
   app->add_option("--write-sensor", arguments->draft, "write the sensor file that fits what was found");
+  add_frame_check_options(*app, arguments->frames);
   app->footer(
-      "Exits with 3 when a run could not use the recording, or when it is truncated.\n\n"
-      "Example:\n  aslio inspect corridor.bag --sensor configs/sensors/livox_avia.yaml");
-  return {app, [=] { return inspect(*arguments); }};
+      "Exits with 3 when a run could not use the recording, or when it is truncated. With --check, exits with 4 when "
+      "the data contradict the files.\n\n"
+      "Example:\n  aslio inspect corridor.bag --sensor configs/sensors/livox_avia.yaml\n"
+      "  aslio inspect --dataset out/quickstart/data --check");
+  return {app, [=] { return inspect(*arguments, *app); }};
 }
 
 }  // namespace aslio::cli
