@@ -7,7 +7,7 @@ using namespace aslio::test;
 using Catch::Matchers::Contains;
 
 TEST_CASE("every command has help with an example") {
-  for (const char* command : {"run", "simulate", "list", "describe", "check", "diff", "inspect", "evaluate",
+  for (const char* command : {"run", "simulate", "list", "describe", "check", "diff", "inspect", "evaluate", "datasets",
                               "calibrate", "overlap", "version"}) {
     const Ended ended = run_aslio({command, "--help"});
     INFO(command);

@@ -23,6 +23,7 @@ struct Command {
 
 Command add_run(CLI::App& root, const std::vector<std::string>& command_line);
 Command add_list(CLI::App& root);
+Command add_datasets(CLI::App& root);
 Command add_describe(CLI::App& root);
 Command add_check(CLI::App& root);
 Command add_diff(CLI::App& root);

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
@@ -9,6 +11,7 @@
 #include "aslio/experiment/truth.hpp"
 #include "command.hpp"
 #include "console.hpp"
+#include "dataset_options.hpp"
 #include "options.hpp"
 #include "reference_options.hpp"
 #include "stages.hpp"
@@ -18,7 +21,7 @@ namespace aslio::cli {
 namespace {
 
 struct EvaluateArguments {
-  std::string estimate, reference, sensor, alignment = "se3";
+  std::string estimate, reference, dataset, data, sensor, alignment = "se3";
   std::vector<std::string> estimate_sets, reference_sets;
   bool json = false, evo = false;
 };
@@ -39,15 +42,26 @@ std::vector<StampedPose> estimated_poses(const EvaluateArguments& a, const io::S
   return poses;
 }
 
+/// --reference, or that of the dataset.
+io::ReferenceSpec reference_of(const EvaluateArguments& a, const std::optional<experiment::Dataset>& dataset) {
+  if (!a.reference.empty()) return io::load_reference_spec(a.reference, a.reference_sets);
+  if (dataset && dataset->reference) return io::with_overrides(*dataset->reference, a.reference_sets);
+  throw ConfigError(dataset ? fmt::format("--dataset {}: has no reference; give --reference", a.dataset)
+                            : "the reference is missing: give --reference, or --dataset with one");
+}
+
 int evaluate(const EvaluateArguments& a) {
+  std::optional<experiment::Dataset> dataset;
+  if (!a.dataset.empty()) dataset = find_dataset(a.dataset, a.data);
   io::SensorConfig read;
   const io::SensorConfig* sensor = nullptr;  // one that was not read has no transform
-  if (!a.sensor.empty()) {
-    read = config::load<io::SensorConfig>(a.sensor, config::FileKind::sensor, load_stages({}).catalog).value;
+  if (!a.sensor.empty() || dataset) {
+    const std::filesystem::path file = a.sensor.empty() ? dataset->sensor : std::filesystem::path(a.sensor);
+    read = config::load<io::SensorConfig>(file, config::FileKind::sensor, load_stages({}).catalog).value;
     sensor = &read;
   }
   const auto estimate = estimated_poses(a, sensor);
-  const auto truth = experiment::load_truth(io::load_reference_spec(a.reference, a.reference_sets), sensor);
+  const auto truth = experiment::load_truth(reference_of(a, dataset), sensor);
   evaluation::Options options = truth.options();
   if (a.evo) options.rule = evaluation::Rule::evo;
   options.alignment = alignment_of(a.alignment);
@@ -64,7 +78,8 @@ Command add_evaluate(CLI::App& root) {
   app->add_option("ESTIMATE", arguments->estimate, "trajectory, in any format of a reference")
       ->required()
       ->check(CLI::ExistingPath);
-  add_reference_options(*app, arguments->reference, arguments->reference_sets)->required();
+  add_reference_options(*app, arguments->reference, arguments->reference_sets);
+  add_dataset_options(*app, arguments->dataset, arguments->data);
   app->add_option("--estimate-set", arguments->estimate_sets, "key=value of the estimate, as of --reference-set")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);

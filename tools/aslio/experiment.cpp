@@ -12,6 +12,7 @@
 #include "aslio/simulator/scene.hpp"
 #include "command.hpp"
 #include "console.hpp"
+#include "dataset_options.hpp"
 #include "files.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
@@ -164,7 +165,8 @@ int run_experiment(const ExperimentArguments& a) {
   require_folder("--output", a.output);
   if (!a.data.empty()) require_folder("--data", a.data);
   const Stages stages = load_stages(a.plugins);
-  const experiment::StudyReading reading{.resolve_scene = resolve_scene, .seeds = seeds_of(a.seeds), .scale = a.scale};
+  const experiment::StudyReading reading{
+      .resolve_scene = resolve_scene, .seeds = seeds_of(a.seeds), .scale = a.scale, .families = shipped_families()};
   experiment::Study study = experiment::load_study(a.study, stages.catalog, reading);
   for (const experiment::PluginFile& plugin : stages.files) {
     study.plugins.push_back(plugin.path);

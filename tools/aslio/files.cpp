@@ -10,6 +10,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/family.hpp"
 #include "aslio/experiment/study.hpp"
 #include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
@@ -17,6 +18,7 @@
 #include "aslio/plugin/registry.hpp"
 #include "aslio/simulator/scene.hpp"
 #include "aslio/simulator/version.hpp"
+#include "dataset_options.hpp"
 
 namespace aslio::cli {
 
@@ -38,6 +40,15 @@ void require_scene_files(const std::filesystem::path& path, const std::vector<st
                     });
 }
 
+/// A family with the sensor files that it names.
+std::string checked_family(const std::filesystem::path& file, const config::StageLookup& stages) {
+  const experiment::Family family = experiment::load_family(file);
+  for (const experiment::FamilySequence& sequence : family.sequences) {
+    config::load<io::SensorConfig>(sequence.sensor, config::FileKind::sensor, stages);
+  }
+  return family.resolved;
+}
+
 }  // namespace
 
 CheckedFile read_checked(const std::filesystem::path& file, const config::StageLookup& stages) {
@@ -49,14 +60,18 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
       return {kind, config::load<io::SensorConfig>(file, kind, stages).resolved};
     case config::FileKind::dataset:
       return {kind, experiment::load_dataset(file).resolved};
+    case config::FileKind::family:
+      return {kind, checked_family(file, stages)};
     case config::FileKind::reference:
       return {kind, io::resolved_text(io::load_reference_spec(file))};
     case config::FileKind::scene:
       require_scene_files(file, {});
       return {kind, simulator::load_scene(file).resolved};
     case config::FileKind::study:
-      return {kind,
-              experiment::load_study(file, stages, {.resolve_scene = resolve_scene, .seeds = {}, .scale = 1}).resolved};
+      return {kind, experiment::load_study(
+                        file, stages,
+                        {.resolve_scene = resolve_scene, .seeds = {}, .scale = 1, .families = shipped_families()})
+                        .resolved};
   }
   throw ConfigError(fmt::format("{}: this version cannot read such a file", file.string()));
 }

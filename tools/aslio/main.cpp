@@ -28,6 +28,7 @@ std::vector<Command> add_commands(CLI::App& root, const std::vector<std::string>
   return {add_run(root, command_line),
           add_simulate(root),
           add_list(root),
+          add_datasets(root),
           add_describe(root),
           add_check(root),
           add_diff(root),

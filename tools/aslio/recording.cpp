@@ -4,6 +4,7 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/dataset.hpp"
+#include "dataset_options.hpp"
 #include "options.hpp"
 
 namespace aslio::cli {
@@ -13,6 +14,9 @@ namespace {
 void require_one_source(const RecordingArguments& a) {
   if (!a.inputs.empty() && !a.dataset.empty()) {
     throw ConfigError("--input and --dataset exclude each other: a dataset file names its input; leave one out");
+  }
+  if (a.dataset.empty() && !a.data.empty()) {
+    throw ConfigError("--data goes with --dataset FAMILY/SEQUENCE: `aslio datasets` lists the families");
   }
   if (a.inputs.empty() && a.dataset.empty()) {
     throw ConfigError("the recording is missing: give --input and --sensor, or --dataset");
@@ -44,10 +48,7 @@ void add_recording_options(CLI::App& app, RecordingArguments& a) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(existing_input());
-  app.add_option("--dataset", a.dataset,
-                 "dataset file (schema: aslio/dataset/1) or a folder with dataset.yaml: names input, sensor, reference "
-                 "and section; other options override it")
-      ->check(CLI::ExistingPath);
+  add_dataset_options(app, a.dataset, a.data);
   app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->check(CLI::ExistingFile);
   app.add_option("--start", a.start, "seconds of data to skip")->check(seconds(false));
   app.add_option("--duration", a.duration, "seconds of data to use")->check(seconds(true));
@@ -57,13 +58,16 @@ Recording find_recording(const RecordingArguments& a, const CLI::App& app) {
   require_one_source(a);
   Recording recording;
   if (!a.dataset.empty()) {
-    const experiment::Dataset dataset = experiment::load_dataset(a.dataset);
-    recording = {{dataset.input},   dataset.sensor,  dataset.file,
-                 dataset.reference, dataset.section, dataset.closed_loop};
+    const experiment::Dataset dataset = find_dataset(a.dataset, a.data);
+    recording = {dataset.inputs,  dataset.sensor,    dataset.file,       dataset.reference,
+                 dataset.section, dataset.published, dataset.closed_loop};
   } else {
     recording.inputs.assign(a.inputs.begin(), a.inputs.end());
   }
-  if (!a.sensor.empty()) recording.sensor = a.sensor;
+  if (!a.sensor.empty()) {
+    recording.sensor = a.sensor;
+    if (recording.published) recording.published->extrinsic_source = "the file of --sensor";
+  }
   if (app.count("--start") > 0) recording.section.start = a.start;
   if (app.count("--duration") > 0) recording.section.duration = a.duration;
   return recording;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "aslio/experiment/dataset.hpp"
 #include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 
@@ -14,7 +15,7 @@ namespace aslio::cli {
 
 struct RecordingArguments {
   std::vector<std::string> inputs;  ///< that are one recording
-  std::string dataset, sensor;
+  std::string dataset, data, sensor;
   double start = 0, duration = 0;
 };
 
@@ -24,6 +25,7 @@ struct Recording {
   std::optional<std::filesystem::path> dataset;
   std::optional<io::ReferenceSpec> reference;
   io::Section section;
+  std::optional<experiment::PublishedSequence> published;
   bool closed_loop = false;  ///< only where a dataset or --closed-loop says so
 };
 

@@ -115,6 +115,7 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
   options.more_inputs.assign(recording.inputs.begin() + 1, recording.inputs.end());
   options.sensor = recording.sensor;
   options.dataset = recording.dataset;
+  options.published = recording.published;
   options.reference = recording.reference;
   options.section = recording.section;
   options.closed_loop = recording.closed_loop || a.closed_loop;

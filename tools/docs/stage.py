@@ -17,7 +17,7 @@ import urllib.parse
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = re.compile(r"(README|CHANGELOG|CONTRIBUTING)\.md|docs/.*\.md")
 LINK = re.compile(r"!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
-FILES = ("pipeline", "sensor", "dataset", "scene", "study")
+FILES = ("pipeline", "sensor", "dataset", "family", "scene", "study")
 GENERATED = {
     "docs/reference_stages.md": "Stages and their keys",
     "docs/reference_files.md": "Keys of the files",

@@ -196,7 +196,7 @@ def yaml_names_its_schema(sources):
     for source in sources:
         if source.suffix in (".yaml", ".yml") and source.within("configs", "experiments"):
             first = next((line for line in source.lines if line.strip() and not line.startswith("#")), "")
-            if not re.match(r"schema: aslio/(pipeline|sensor|scene|dataset|study)/1$", first.strip()):
+            if not re.match(r"schema: aslio/(pipeline|sensor|scene|dataset|family|study)/1$", first.strip()):
                 yield source, 1, "does not begin with `schema: aslio/<kind>/1`"
 
 

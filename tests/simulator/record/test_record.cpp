@@ -91,7 +91,7 @@ TEST_CASE("a recording is a dataset whose bag holds what was simulated", "[recor
   CHECK(dataset.name == "quick");
   CHECK(dataset.description == "A test of <recordings> & \"more\".");
   CHECK(dataset.closed_loop);
-  CHECK(sha256_of_file(dataset.input) == recorded.result.bag_sha256);
+  CHECK(sha256_of_file(dataset.inputs.front()) == recorded.result.bag_sha256);
   const Read bag = read(recorded);
   const Simulation& simulation = recorded.simulation;
   REQUIRE(bag.packets.size() == simulation.packet_count());

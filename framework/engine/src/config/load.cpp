@@ -14,8 +14,8 @@
 namespace aslio::config {
 namespace {
 
-constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor, FileKind::scene,
-                            FileKind::dataset,  FileKind::study,  FileKind::reference};
+constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor,    FileKind::scene, FileKind::dataset,
+                            FileKind::study,    FileKind::reference, FileKind::family};
 
 std::string schema_of(FileKind kind) { return "aslio/" + std::string(name(kind)) + "/1"; }
 
@@ -98,6 +98,8 @@ std::string_view name(FileKind kind) {
       return "study";
     case FileKind::reference:
       return "reference";
+    case FileKind::family:
+      return "family";
   }
   return {};
 }

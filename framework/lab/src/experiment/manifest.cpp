@@ -44,11 +44,21 @@ Json file(const std::filesystem::path& path, const std::string& sha256) {
   return {{"path", path.string()}, {"sha256", sha256}};
 }
 
+/// The published sequence that the input is, and whose extrinsic the run took.
+Json published(const std::optional<PublishedSequence>& sequence) {
+  if (!sequence) return nullptr;
+  return {{"family", sequence->family},
+          {"sequence", sequence->sequence},
+          {"data", sequence->data.string()},
+          {"extrinsic_source", sequence->extrinsic_source}};
+}
+
 /// All that makes the data of a study what they are; simulated data are gone when they have served.
 Json data_of(const StudyData& data) {
   Json json = {{"name", data.name}, {"identity", data.identity}};
   if (data.scene.empty()) {
     json["dataset"] = data.dataset.string();
+    if (!data.folder.empty()) json["data"] = data.folder.string();
     return json;
   }
   json["scene"] = data.scene.string();
@@ -104,6 +114,7 @@ std::string to_json(const Manifest& manifest, const RunOptions& options) {
                     {"sensor", sensor},
                     {"input", input},
                     {"dataset", options.dataset ? Json(options.dataset->string()) : Json(nullptr)},
+                    {"published", published(options.published)},
                     {"reference", reference},
                     {"seeds", {{"order", options.order_seed}}},
                     {"threads", options.threads},

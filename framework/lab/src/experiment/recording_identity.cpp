@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "aslio/core/sha256.hpp"
+#include "matching_paths.hpp"
 
 namespace aslio::experiment {
 
@@ -23,6 +24,13 @@ std::string file_identity(const fs::path& path) {
 
 std::string input_identity(const fs::path& path) {
   std::error_code error;
+  if (!fs::exists(path, error) && is_pattern(path.string())) {
+    std::string text;
+    for (const fs::path& file : matching_paths({}, path.string())) {
+      text += file.filename().string() + " " + file_identity(file) + "\n";
+    }
+    return text;
+  }
   if (!fs::is_directory(path, error)) return file_identity(path);
   std::vector<std::string> lines;
   for (const auto& entry : fs::recursive_directory_iterator(path, error)) {
@@ -41,8 +49,10 @@ bool is_small(const fs::path& path) {
 }
 
 std::string recording_identity(const Dataset& dataset) {
-  std::string text = fmt::format("recording\n{}\n{}\n{}\n", dataset.resolved, input_identity(dataset.input),
-                                 sha256_of_file(dataset.sensor));
+  std::vector<std::string> inputs;
+  for (const fs::path& input : dataset.inputs) inputs.push_back(input_identity(input));
+  std::string text =
+      fmt::format("recording\n{}\n{}\n{}\n", dataset.resolved, fmt::join(inputs, "\n"), sha256_of_file(dataset.sensor));
   if (dataset.reference) {
     const io::ReferenceSpec& reference = *dataset.reference;
     text += is_small(reference.file) ? sha256_of_file(reference.file) : input_identity(reference.file);

@@ -16,6 +16,7 @@
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/core/thrown.hpp"
+#include "aslio/experiment/family.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/experiment/truth.hpp"
 #include "aslio/io/writers.hpp"
@@ -174,6 +175,9 @@ class Runner {
   bool stage_failed() const { return stage_failed_; }
   /// Before the data were, by a DivergenceWatch.
   bool was_ended() const { return was_ended_; }
+  /// Measurements that were read.
+  std::int64_t sweeps() const { return sweeps_; }
+  std::int64_t imu_samples() const { return imu_samples_; }
 
  private:
   template <class F>
@@ -193,6 +197,7 @@ class Runner {
     while (!(outcome.interrupted = monitor_.stop_requested())) {
       auto measurement = source_.next();
       if (!measurement) break;
+      ++(std::holds_alternative<LidarPacket>(*measurement) ? sweeps_ : imu_samples_);
       odometry_.push(std::move(*measurement));
       outputs_.raise();
       feed_.after_measurement();
@@ -225,6 +230,7 @@ class Runner {
   const Truth* watched_ = nullptr;
   std::vector<StampedPose> compared_;  ///< the poses so far, as the reference is to be compared with
   std::optional<DivergenceWatch> watch_;
+  std::int64_t sweeps_ = 0, imu_samples_ = 0;
   bool bad_data_ = false, stage_failed_ = false, was_ended_ = false;
 };
 
@@ -274,6 +280,12 @@ void measure(Summary& summary, const std::vector<StampedPose>& poses, const Trut
   } catch (const std::exception& error) {
     summary.evaluation_error = error.what();
   }
+}
+
+/// Whether a published sequence was read in full. Pre: it was read to its end.
+std::vector<std::string> compare_counts(const RunOptions& options, const Runner& runner) {
+  if (!options.published || options.section.start > 0 || options.section.duration) return {};
+  return count_warnings(*options.published, runner.sweeps(), runner.imu_samples());
 }
 
 /// The end of data that were read to their end: a recording may hold other topics, which go on.
@@ -374,6 +386,12 @@ RunResult run(const RunOptions& options, const plugin::Catalog& catalog, RunMoni
   result.bad_data = blames_data(summary, runner);
   result.late_warnings = late_warnings(*source, told);
   for (const std::string& warning : odometry.stream().warnings()) result.late_warnings.push_back(warning);
+  if (whole && !odometry.has_ended()) {
+    for (const std::string& warning : compare_counts(options, runner)) {
+      result.late_warnings.push_back(warning);
+      summary.notes.push_back("warning: " + warning);
+    }
+  }
 
   write_texts(options.output, prepared.pipeline.resolved, to_json(manifest, options), summary);
   return result;

@@ -66,18 +66,42 @@ std::optional<std::vector<std::uint64_t>> parse_seeds(std::string_view text) {
   }
 }
 
+std::optional<std::vector<std::string>> sequence_patterns(const StudyDataConfig& data) {
+  const config::Node& written = data.sequences;
+  if (written.is_null()) return std::vector<std::string>{"*"};
+  if (written.is_scalar()) return std::vector<std::string>{written.text()};
+  if (!written.is_list() || written.items().empty()) return std::nullopt;
+  std::vector<std::string> patterns;
+  for (const config::Node& item : written.items()) {
+    if (!item.is_scalar()) return std::nullopt;
+    patterns.push_back(item.text());
+  }
+  return patterns;
+}
+
 void StudyDataConfig::describe(config::Binder& b, StudyDataConfig& data) {
-  b.text("scene", data.scene, "scene file, simulated when its runs begin; this or `dataset`");
-  b.text("dataset", data.dataset,
-         "dataset file, a folder with dataset.yaml, or a pattern of them (*, ?, [..]); this or `scene`");
+  b.text("scene", data.scene, "scene file, simulated when its runs begin; this, `dataset` or `family`");
+  b.text("dataset", data.dataset, "dataset file, a folder with dataset.yaml, or a pattern of them (*, ?, [..])");
+  b.text("family", data.family,
+         "published data set: a name that `aslio datasets` lists, or the path of a family file; goes with `data`");
+  b.tree("sequences", data.sequences, "of the family: a name, a pattern (*, ?, [..]), or a list of them; null: all");
+  b.text("data", data.data, "folder with the files of the family, relative to the folder of this file");
   b.text("seeds", data.seeds, "of the simulation, as in 1-10 or 1-3,7; one recording each");
   b.texts("set", data.set, {}, "key.path=value, for the scene; {seed} is the seed of the recording");
-  b.text("name", data.name, "what tables call the sequence; empty: the name of the scene file, or of the dataset");
-  b.require(data.scene.empty() != data.dataset.empty(), "scene",
-            "and dataset exclude each other, and one is required: name a scene file or a dataset file");
+  b.text("name", data.name,
+         "what tables call the sequence; empty: the name of the scene file, or of the dataset; of a family: put before "
+         "the name of the sequence");
+  b.require(
+      data.kinds() == 1, "scene",
+      "dataset and family exclude each other, and one is required: name a scene file, a dataset file or a family");
+  b.require(data.family.empty() == data.data.empty(), "data",
+            "is the folder with the files of a `family`: give both or neither");
+  b.require(sequence_patterns(data).has_value(), "sequences",
+            "must be a name, a pattern, or a list of them, as in [quad_*, stairs]");
+  b.require(!data.family.empty() || data.sequences.is_null(), "sequences", "goes with `family`");
   b.require(parse_seeds(data.seeds).has_value(), "seeds",
             fmt::format("must be whole numbers and ranges, each once and at most {}, as in 1-10 or 1-3,7", kMaxSeeds));
-  b.require(data.dataset.empty() || data.set.empty(), "set", "changes a scene; a dataset file has its own keys");
+  b.require(!data.scene.empty() || data.set.empty(), "set", "changes a scene; a dataset file has its own keys");
 }
 
 void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {

@@ -1,6 +1,5 @@
 // From a study file to a checked study: what the keys name is read, the grid of methods is laid out.
 #include <fmt/format.h>
-#include <glob.h>
 
 #include <algorithm>
 #include <map>
@@ -13,9 +12,11 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/family.hpp"
 #include "aslio/experiment/study.hpp"
 #include "aslio/experiment/study_expectation.hpp"
 #include "aslio/pipeline/stage_set.hpp"
+#include "matching_paths.hpp"
 #include "recording_identity.hpp"
 #include "study_axes.hpp"
 #include "study_differences.hpp"
@@ -116,8 +117,10 @@ class Reader {
   }
 
   void add_data(const StudyDataConfig& config, std::size_t index) {
-    if (config.scene.empty() == config.dataset.empty()) return;  // one of the two is due, which has been noted
-    if (config.scene.empty()) {
+    if (config.kinds() != 1) return;  // which has been noted
+    if (!config.family.empty()) {
+      add_family(config, index);
+    } else if (config.scene.empty()) {
       add_recordings(config, index);
     } else {
       add_scene(config, index);
@@ -126,11 +129,11 @@ class Reader {
 
   void add_recordings(const StudyDataConfig& config, std::size_t index) {
     std::error_code ignored;
-    if (config.dataset.find_first_of("*?[") == std::string::npos || fs::exists(at(config.dataset), ignored)) {
+    if (!is_pattern(config.dataset) || fs::exists(at(config.dataset), ignored)) {
       add_recording(config, at(config.dataset), index);
       return;
     }
-    const std::vector<fs::path> found = matching(config.dataset);
+    const std::vector<fs::path> found = matching_paths(folder_, config.dataset);
     if (found.empty()) {
       problems_.add(place("datasets", index, "dataset"),
                     fmt::format("'{}' matches nothing: give a pattern of dataset files, or of folders with one; it is "
@@ -145,43 +148,45 @@ class Reader {
     }
   }
 
-  /// Paths that a pattern matches, sorted.
-  std::vector<fs::path> matching(const std::string& written) const {
-    std::string pattern;
-    if (!fs::path(written).is_absolute()) {
-      for (const char c : folder_.string()) {
-        if (std::string_view("*?[\\").find(c) != std::string_view::npos) pattern += '\\';
-        pattern += c;
-      }
-      if (!pattern.empty()) pattern += '/';
-    }
-    glob_t found{};
-    std::vector<fs::path> paths;
-    if (::glob((pattern + written).c_str(), GLOB_NOSORT, nullptr, &found) == 0) {
-      for (std::size_t i = 0; i < found.gl_pathc; ++i) paths.push_back(fs::path(found.gl_pathv[i]).lexically_normal());
-    }
-    ::globfree(&found);
-    std::sort(paths.begin(), paths.end());
-    return paths;
-  }
-
   void add_recording(const StudyDataConfig& config, const fs::path& path, std::size_t index) {
-    StudyData data;
     try {
       const Dataset dataset = load_dataset(path);
-      data.name = data.sequence = config.name.empty() ? dataset.name : config.name;
-      data.dataset = dataset.file;
-      data.texts = {dataset.file, dataset.sensor};
-      if (dataset.reference && is_small(dataset.reference->file)) {
-        data.texts.emplace_back(dataset.reference->file);
-      }
-      for (const fs::path& file : data.texts) study_.sources.emplace(file, sha256_of_file(file));
-      data.identity = recording_identity(dataset);
-      require_one_scene(data.sequence, "recording", index);
+      add_dataset(dataset, config.name.empty() ? dataset.name : config.name, index);
     } catch (const std::exception& error) {
       add_problems(place("datasets", index, "dataset"), "", error.what());
-      return;
     }
+  }
+
+  void add_family(const StudyDataConfig& config, std::size_t index) {
+    const auto patterns = sequence_patterns(config);
+    if (!patterns || config.data.empty()) return;  // which has been noted
+    try {
+      std::error_code ignored;
+      const fs::path beside = at(config.family);
+      const Family family = load_family(
+          find_family(fs::is_regular_file(beside, ignored) ? beside.string() : config.family, reading_.families));
+      for (const FamilySequence* sequence : select_sequences(family, *patterns)) {
+        const std::string before = config.name.empty() ? "" : config.name + "_";
+        add_dataset(dataset_of(family, *sequence, at(config.data)), before + sequence->name, index);
+      }
+    } catch (const std::exception& error) {
+      add_problems(place("datasets", index, "family"), "", error.what());
+    }
+  }
+
+  void add_dataset(const Dataset& dataset, const std::string& name, std::size_t index) {
+    StudyData data;
+    data.name = data.sequence = name;
+    data.dataset = dataset.file;
+    if (dataset.published) {
+      data.dataset /= dataset.published->sequence;
+      data.folder = dataset.published->data;
+    }
+    data.texts = {dataset.file, dataset.sensor};
+    if (dataset.reference && is_small(dataset.reference->file)) data.texts.emplace_back(dataset.reference->file);
+    for (const fs::path& file : data.texts) study_.sources.emplace(file, sha256_of_file(file));
+    data.identity = recording_identity(dataset);
+    require_one_scene(data.sequence, "recording", index);
     add_named(std::move(data), index);
   }
 

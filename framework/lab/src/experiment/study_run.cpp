@@ -316,6 +316,8 @@ class Schedule {
         "run",      method.pipeline.string(), "--dataset", data_[run.data].dataset.string(),
         "--output", folder.string(),          "--seed",    fmt::to_string(run.order_seed),
         "--quiet"};
+    const fs::path& data = study_.data[run.data].folder;
+    if (!data.empty()) arguments.insert(arguments.end(), {"--data", data.string()});
     for (const std::string& assignment : overrides_of(study_, result_.runs, run, runs_folder_)) {
       arguments.insert(arguments.end(), {"--set", assignment});
     }

@@ -252,6 +252,7 @@ std::optional<io::ReferenceSpec> reference_of(const fs::path& run) {
       return spec;
     }
   }
+  if (reference != manifest.end()) return std::nullopt;
   // A run of before manifests named the reference.
   const auto dataset = manifest.find("dataset");
   if (dataset == manifest.end() || !dataset->is_string()) return std::nullopt;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/summary.hpp"
 #include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
@@ -31,6 +32,7 @@ struct RunOptions {
   int threads = 1;
   io::Section section;
   std::optional<std::filesystem::path> dataset;   ///< the file that named input, sensor or reference; for the manifest
+  std::optional<PublishedSequence> published;     ///< that the input is; for the manifest, and to compare counts
   std::optional<io::ReferenceSpec> reference;     ///< fills Summary::evaluation
   std::optional<std::filesystem::path> save_map;  ///< .ply or .pcd
   bool closed_loop = false;                       ///< else Summary::end_to_end_m would be no error, and is left out

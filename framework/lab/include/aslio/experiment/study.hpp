@@ -20,14 +20,22 @@ class Binder;
 
 namespace aslio::experiment {
 
-/// One entry of `datasets`: a scene with seeds, or a dataset file.
+/// One entry of `datasets`: a scene with seeds, a dataset file, or sequences of a family.
 struct StudyDataConfig {
   std::string scene, dataset;
+  std::string family;            ///< name of a shipped one, or a family file
+  config::Node sequences;        ///< a name or pattern, or a list of them; empty: all
+  std::string data;              ///< folder with the files of the family
   std::string seeds = "1";       ///< "1-10", "3", "1-3,7"
   std::vector<std::string> set;  ///< `key.path=value`, for the scene
   std::string name;
+  /// How many of scene, dataset and family are given: one is due.
+  int kinds() const { return (scene.empty() ? 0 : 1) + (dataset.empty() ? 0 : 1) + (family.empty() ? 0 : 1); }
   static void describe(config::Binder& b, StudyDataConfig& data);
 };
+
+/// The patterns of `sequences`; nothing where it holds something else.
+std::optional<std::vector<std::string>> sequence_patterns(const StudyDataConfig& data);
 
 /// One entry of `methods`.
 struct StudyMethodConfig {
@@ -92,7 +100,8 @@ struct StudyData {
   std::filesystem::path scene;        ///< empty for a recording
   std::vector<std::string> set;       ///< overrides of the scene
   double scale = 1;                   ///< of the scene
-  std::filesystem::path dataset;      ///< empty for a scene
+  std::filesystem::path dataset;      ///< empty for a scene; FAMILY_FILE/SEQUENCE of a family
+  std::filesystem::path folder;       ///< with the files of the family; empty for any other data
   /// What was read of it before: the scene and what it reads, or the files of a recording.
   std::vector<std::filesystem::path> texts;
   std::string identity;  ///< SHA-256 of everything that makes these data what they are
@@ -149,6 +158,7 @@ struct StudyReading {
   std::function<ResolvedScene(const std::filesystem::path& scene, const std::vector<std::string>& set)> resolve_scene;
   std::optional<std::vector<std::uint64_t>> seeds;  ///< in place of those of every scene
   double scale = 1;                                 ///< of every scene
+  std::filesystem::path families = {};              ///< folder of those that may be named without a path
 };
 
 /// Reads and checks a study file. Throws ConfigError with everything that is wrong: file, line, column, remedy.
