@@ -186,7 +186,7 @@ int simulate(const SimulateArguments& a) {
                     "follow.knot_interval follows closer",
                     simulation.follow_error(), scene.scene.follow.file));
   create_folder(a.output);
-  if (plan) write_stand_in_note(*plan, a.output);
+  if (plan) write_stand_in_note(*plan, simulation, a.output);
   if (!a.world.empty()) simulator::write_mesh(simulation.caster().mesh(), a.world);
   Monitor monitor(a.quiet, simulation.duration());
   simulator::RecordResult result;
@@ -194,7 +194,7 @@ int simulate(const SimulateArguments& a) {
   monitor.clear();
   if (!whole) return stopped(a.output);
   if (plan) {
-    print(stand_in_report(*plan, result, a.output));  // also where it is to be quiet: nobody should miss it
+    print(stand_in_report(*plan, simulation, result, a.output));  // also where it is to be quiet: nobody should miss it
   } else if (!a.quiet) {
     print(recording_report(result, a));
   }

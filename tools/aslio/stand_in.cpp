@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <system_error>
 
@@ -59,22 +58,26 @@ double sweep_period_for(const experiment::StandIn& stand_in) {
   return packet / std::max(1.0, std::round(packet / stand_in.sensor.model.sweep_period));
 }
 
-std::vector<std::string> differences_of(const experiment::StandIn& stand_in, SensorKind kind, double sweep_period) {
-  const int lines = stand_in.sensor.model.scan_lines;
+/// How the data differ from the published ones, for people.
+std::vector<std::string> differences_of(const StandInPlan& plan, const simulator::Simulation& simulation) {
+  const simulator::ScanPattern& pattern = simulation.pattern();
+  const SensorKind kind = simulation.sensor_kind();
   std::vector<std::string> all;
-  all.push_back(
-      fmt::format("The place, the motion and the measurements are those of a simulated scene with a sensor {}.",
-                  simulator::facts(kind).name));
+  all.push_back(fmt::format("Place, motion and measurements are those of a simulated scene with a sensor {}.",
+                            simulator::facts(kind).name));
   if (spins(kind)) {
-    const auto simulated = static_cast<int>(simulator::make_scan_pattern(kind)->beams_per_firing());
-    if (simulated != lines) all.push_back(fmt::format("The LiDAR has {} lines in place of {}.", simulated, lines));
-    if (kind != SensorKind::vlp16 && stand_in.columns != stand_in.published_columns) {
-      all.push_back(
-          fmt::format("A turn has {} columns, a published sweep {}.", stand_in.columns, stand_in.published_columns));
+    const auto lines = static_cast<int>(pattern.beams_per_firing());
+    if (lines != plan.published_lines) {
+      all.push_back(fmt::format("The LiDAR has {} lines in place of {}.", lines, plan.published_lines));
+    }
+    const auto columns = std::llround(plan.layout.sweep_period * 1e9 / static_cast<double>(pattern.firing_period()));
+    if (columns != plan.published_columns) {
+      all.push_back(fmt::format("A sweep has {} columns in place of {}.", columns, plan.published_columns));
     }
   }
-  if (sweep_period < to_seconds(simulator::Simulation::kPacketPeriod)) {
-    all.push_back(fmt::format("The head turns at 10 Hz: a sweep of {} s is a part of a turn.", sweep_period));
+  if (plan.layout.sweep_period < to_seconds(simulator::Simulation::kPacketPeriod)) {
+    all.push_back(
+        fmt::format("The head turns at 10 Hz: a sweep of {} s is a part of a turn.", plan.layout.sweep_period));
   }
   return all;
 }
@@ -126,17 +129,18 @@ StandInPlan plan_stand_in(const SimulateArguments& a) {
   plan.simulation.T_imu_lidar = stand_in.sensor.model.T_imu_lidar;
   const double sweep_period = sweep_period_for(stand_in);
   plan.layout = {stand_in.layout, a.output, sequence.name, sweep_period, stand_in.sensor.model.scan_lines};
-  plan.differences = differences_of(stand_in, kind, sweep_period);
+  plan.published_lines = stand_in.sensor.model.scan_lines;
+  plan.published_columns = stand_in.published_columns;
   return plan;
 }
 
-void write_stand_in_note(const StandInPlan& plan, const fs::path& output) {
+void write_stand_in_note(const StandInPlan& plan, const simulator::Simulation& simulation, const fs::path& output) {
   std::string text = fmt::format(
       "# Simulated data\n\n{} They are not the published ones.\n\n"
       "`aslio simulate --as` wrote them in the layout of {} ({}).\n"
       "They are for tests of programs and configurations. Results on them say nothing about the published data.\n\n",
       kMark, plan.title, plan.url);
-  for (const std::string& difference : plan.differences) text += fmt::format("- {}\n", difference);
+  for (const std::string& difference : differences_of(plan, simulation)) text += fmt::format("- {}\n", difference);
   text +=
       "\nThe folder `simulated` has, for each sequence, the scene (`scene.yaml`), the truth (`truth.tum`, "
       "`truth.csv`), "
@@ -146,10 +150,12 @@ void write_stand_in_note(const StandInPlan& plan, const fs::path& output) {
   file.close();
 }
 
-std::string stand_in_report(const StandInPlan& plan, const simulator::RecordResult& r, const fs::path& output) {
+std::string stand_in_report(const StandInPlan& plan, const simulator::Simulation& simulation,
+                            const simulator::RecordResult& r, const fs::path& output) {
   std::string text = fmt::format("SIMULATED    these are not the published data of {} ({})\n", plan.title, plan.url);
   const auto out = std::back_inserter(text);
-  for (const std::string& difference : plan.differences) fmt::format_to(out, "             {}\n", difference);
+  for (const std::string& difference : differences_of(plan, simulation))
+    fmt::format_to(out, "             {}\n", difference);
   fmt::format_to(out, "duration     {:.2f} s, path {:.2f} m\n", r.data_s, r.path_length_m);
   fmt::format_to(out, "messages     {} of the LiDAR, {} of the IMU\n", r.packets, r.imu_samples);
   constexpr std::size_t kMostFiles = 8;
