@@ -1,3 +1,5 @@
+#include "simulate.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +9,8 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <system_error>
-#include <thread>
 
 #include "aslio/core/errors.hpp"
 #include "aslio/io/writers.hpp"
@@ -21,6 +23,7 @@
 #include "interrupt.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "stand_in.hpp"
 
 namespace aslio::cli {
 
@@ -29,16 +32,14 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-struct SimulateArguments {
-  std::string scene, output, sensor, world;
-  std::vector<std::string> overrides;
-  int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
-  std::uint64_t seed = simulator::SimulationOptions{}.seed;
-  double scale = 1;
-  bool no_compression = false, quiet = false;
-};
-
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+const std::vector<std::string> kFormats = {"bag", "db3", "mcap"};
+
+simulator::RecordFormat format_of(const std::string& name) {
+  if (name == "mcap") return simulator::RecordFormat::mcap;
+  return name == "db3" ? simulator::RecordFormat::db3 : simulator::RecordFormat::bag;
+}
 
 /// What a recording consists of besides its bag.
 constexpr std::array<std::string_view, 7> kFiles = {"truth.tum",  "truth.csv",   "overlap.csv", "sensor.yaml",
@@ -53,7 +54,7 @@ void refuse_to_overwrite_inputs(const simulator::SceneFile& scene, const Simulat
   for (const std::string& file : {scene.scene.follow.file, scene.scene.world.mesh.file}) {
     if (!file.empty()) inputs.push_back(beside / file);
   }
-  std::vector<fs::path> outputs = {folder / (name + ".bag")};
+  std::vector<fs::path> outputs = {folder / (name + ".bag"), folder / (name + ".mcap")};
   for (const std::string_view file : kFiles) outputs.push_back(folder / file);
   if (!a.world.empty()) outputs.emplace_back(a.world);
   for (const fs::path& output : outputs) {
@@ -117,9 +118,16 @@ class Monitor {
   double shown_s_ = -1;
 };
 
-std::string recording_report(const simulator::RecordResult& r, const SimulateArguments& a, const std::string& name) {
+/// Of a file, or of the files in a folder.
+std::uintmax_t bytes_of(const fs::path& path) {
   std::error_code ignored;
-  const double megabytes = 1e-6 * static_cast<double>(fs::file_size(fs::path(a.output) / (name + ".bag"), ignored));
+  if (!fs::is_directory(path, ignored)) return fs::file_size(path, ignored);
+  std::uintmax_t sum = 0;
+  for (const auto& entry : fs::directory_iterator(path, ignored)) sum += entry.file_size(ignored);
+  return sum;
+}
+
+std::string recording_report(const simulator::RecordResult& r, const SimulateArguments& a) {
   std::string text = fmt::format("duration     {:.2f} s, path {:.2f} m\n", r.data_s, r.path_length_m);
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "messages     {} of the LiDAR, {} of the IMU\n", r.packets, r.imu_samples);
@@ -128,7 +136,8 @@ std::string recording_report(const simulator::RecordResult& r, const SimulateArg
     fmt::format_to(out, "speed        {:.2f} million rays/s, {:.1f}x real time: {:.1f} s with all files written\n",
                    1e-6 * static_cast<double>(r.rays) / r.wall_s, r.data_s / r.wall_s, r.wall_s);
   }
-  fmt::format_to(out, "bag          {}.bag, {:.1f} MB, SHA-256 {}\n", name, megabytes, r.bag_sha256);
+  fmt::format_to(out, "{:12} {}, {:.1f} MB, SHA-256 {}\n", a.format == "bag" ? "bag" : "recording", r.input,
+                 1e-6 * static_cast<double>(bytes_of(fs::path(a.output) / r.input)), r.bag_sha256);
   fmt::format_to(out, "output       {}: {}\n", a.output, fmt::join(kFiles, ", "));
   fmt::format_to(out, "run it       aslio run configs/pipelines/as_lio_plus.yaml --dataset {} --output OUT\n",
                  a.output);
@@ -140,38 +149,63 @@ int stopped(const std::string& output) {
   return kInterrupted;
 }
 
-int simulate(const SimulateArguments& a) {
-  catch_interrupts();
-  const simulator::SceneFile scene = simulator::load_scene(a.scene, a.overrides);
-  const std::string name = scene.path.stem().string();
-  refuse_to_overwrite_inputs(scene, a, name);
+simulator::SimulationOptions options_of(const SimulateArguments& a) {
   simulator::SimulationOptions options;
   options.seed = a.seed;
   options.scale = a.scale;
+  options.duration = a.duration;
   if (!a.sensor.empty()) options.sensor = simulator::sensor_kind(a.sensor);
-  const simulator::Simulation simulation(scene, options);
+  return options;
+}
+
+/// What a stand-in has of the user's options.
+simulator::RecordOptions record_options(const SimulateArguments& a, const std::string& name,
+                                        const std::optional<StandInPlan>& plan) {
+  simulator::RecordOptions options{a.output, a.threads, !a.no_compression, name, format_of(a.format), a.parts};
+  if (plan) {
+    options.folder = plan->beside;
+    options.name = plan->sequence;
+    options.layout = plan->layout;
+  }
+  return options;
+}
+
+int simulate(const SimulateArguments& a) {
+  catch_interrupts();
+  std::optional<StandInPlan> plan;
+  if (!a.as.empty()) plan = plan_stand_in(a);
+  std::vector<std::string> overrides = plan ? plan->overrides : std::vector<std::string>{};
+  overrides.insert(overrides.end(), a.overrides.begin(), a.overrides.end());
+  const simulator::SceneFile scene = simulator::load_scene(a.scene, overrides);
+  const std::string name = scene.path.stem().string();
+  refuse_to_overwrite_inputs(scene, a, name);
+  const simulator::Simulation simulation(scene, plan ? plan->simulation : options_of(a));
   if (simulation.follow_error() > 0.05)
     tell(
         fmt::format("warning: follow: the motion is up to {:.3f} m from the poses of {}; a shorter "
                     "follow.knot_interval follows closer",
                     simulation.follow_error(), scene.scene.follow.file));
   create_folder(a.output);
+  if (plan) write_stand_in_note(*plan, simulation, a.output);
   if (!a.world.empty()) simulator::write_mesh(simulation.caster().mesh(), a.world);
   Monitor monitor(a.quiet, simulation.duration());
   simulator::RecordResult result;
-  const bool whole =
-      simulator::record(simulation, scene, {a.output, a.threads, !a.no_compression, name}, std::ref(monitor), result);
+  const bool whole = simulator::record(simulation, scene, record_options(a, name, plan), std::ref(monitor), result);
   monitor.clear();
   if (!whole) return stopped(a.output);
-  if (!a.quiet) print(recording_report(result, a, name));
+  if (plan) {
+    print(stand_in_report(*plan, simulation, result, a.output));  // also where it is to be quiet: nobody should miss it
+  } else if (!a.quiet) {
+    print(recording_report(result, a));
+  }
   return kSuccess;
 }
 
 std::vector<std::string> sensor_names() {
   using simulator::SensorKind;
   std::vector<std::string> names;
-  for (const SensorKind kind :
-       {SensorKind::avia, SensorKind::mid360, SensorKind::spin16, SensorKind::spin32, SensorKind::spin64}) {
+  for (const SensorKind kind : {SensorKind::avia, SensorKind::mid360, SensorKind::spin16, SensorKind::spin32,
+                                SensorKind::spin64, SensorKind::vlp16}) {
     names.emplace_back(simulator::facts(kind).name);
   }
   return names;
@@ -188,6 +222,23 @@ void add_simulate_options(CLI::App& app, SimulateArguments& a) {
   app.add_option("--scale", a.scale, "scales route and world; the loop stays closed")
       ->check(number(simulator::kMinScale, simulator::kMaxScale))
       ->capture_default_str();
+  app.add_option("--duration", a.duration,
+                 "at most so many seconds from the start of the motion; the loop is then open")
+      ->check(number(0.1, 1e5));
+  auto* as =
+      app.add_option("--as", a.as,
+                     "writes a stand-in of a published sequence, simulated, with its file names, formats, topics, "
+                     "units, stamps and frames; a minute of it unless --duration says otherwise")
+          ->type_name("FAMILY/SEQUENCE");
+  app.add_option("--format", a.format,
+                 "of the recording: a ROS1 bag, a rosbag2 database in a folder, or an MCAP file of ROS2 messages")
+      ->check(one_of("format", kFormats))
+      ->excludes(as)
+      ->capture_default_str();
+  app.add_option("--parts", a.parts, "files of equal time, in a folder of their own")
+      ->check(whole_number(1, 1000))
+      ->excludes(as)
+      ->capture_default_str();
   app.add_option("--threads", a.threads, "threads; the files are the same for any number")
       ->check(whole_number(1, 256))
       ->capture_default_str();
@@ -195,7 +246,7 @@ void add_simulate_options(CLI::App& app, SimulateArguments& a) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app.add_option("--save-world", a.world, "PLY file for the surfaces of the world, without people")->type_name("FILE");
-  app.add_flag("--no-compression", a.no_compression, "bag without lz4");
+  app.add_flag("--no-compression", a.no_compression, "bag without lz4, MCAP without zstd");
   app.add_flag("--quiet", a.quiet, "no progress and no report; warnings and errors remain");
 }
 
@@ -206,10 +257,13 @@ Command add_simulate(CLI::App& root) {
   auto arguments = std::make_shared<SimulateArguments>();
   add_simulate_options(*app, *arguments);
   app->footer(
-      "Writes <scene>.bag, truth.tum, truth.csv, overlap.csv, sensor.yaml, scene.yaml, preview.svg and, last, "
+      "Writes <scene>.bag (or .mcap, or a folder <scene>), truth.tum, truth.csv, overlap.csv, sensor.yaml, scene.yaml, "
+      "preview.svg and, last, "
       "dataset.yaml, which `aslio run --dataset` takes.\n\n"
-      "Example:\n"
-      "  aslio simulate configs/scenes/indoor_1.yaml --output out/indoor_1 --seed 7 --set people.walking=0");
+      "Examples:\n"
+      "  aslio simulate configs/scenes/indoor_1.yaml --output out/indoor_1 --seed 7 --set people.walking=0\n"
+      "  aslio simulate configs/scenes/outdoor_1.yaml --as newer_college_2021/quad_easy --output "
+      "out/newer_college_2021");
   return {app, [=] { return simulate(*arguments); }};
 }
 

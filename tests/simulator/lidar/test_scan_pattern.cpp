@@ -203,3 +203,25 @@ TEST_CASE("facts of the sensors are those of their data sheets") {
     CHECK(f.lidar_topic != f.imu_topic);
   }
 }
+
+TEST_CASE("a VLP-16 fires as its manual says: 16 lasers one after the other, from different heights", "[lidar]") {
+  const auto pattern = make_scan_pattern(SensorKind::vlp16);
+  REQUIRE(pattern->beams_per_firing() == 16);
+  CHECK(pattern->firing_period() == 55'296);
+  CHECK(pattern->has_heights());
+  std::vector<Beam> beams(16);
+  for (const TimeNs t : {TimeNs{0}, 400 * pattern->firing_period(), 20'000 * pattern->firing_period()}) {
+    pattern->fire(t, beams);
+    for (std::size_t line = 0; line < 16; ++line) {
+      CHECK(elevation(beams[line]) == Approx(-15.0 + 2.0 * static_cast<double>(line)).margin(1e-9));
+      // Laser 0 is the lowest, laser 1 at 1 deg, laser 2 at -13 deg, ..; each fires 2.304 us after the one before.
+      const std::size_t laser = line < 8 ? 2 * line : 2 * (line - 8) + 1;
+      const double turned = 3600.0 * (1e-9 * static_cast<double>(t) + 2.304e-6 * static_cast<double>(laser));
+      CHECK(std::remainder(azimuth(beams[line]) + turned, 360.0) == Approx(0).margin(1e-7));
+    }
+    CHECK(beams[0].height == Approx(0.0112));
+    CHECK(beams[7].height == Approx(0.0007));
+    CHECK(beams[8].height == Approx(-0.0007));
+    CHECK(beams[15].height == Approx(-0.0112));
+  }
+}

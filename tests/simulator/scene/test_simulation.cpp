@@ -134,3 +134,37 @@ TEST_CASE("a motion too long for the memory is refused before it is simulated", 
   CHECK_THROWS_WITH(Simulation(scene, {}),
                     Catch::Matchers::Contains("long.yaml: ") && Catch::Matchers::Contains("walk.laps"));
 }
+
+TEST_CASE("a VLP-16 whose lasers leave from different heights sees the same walls", "[simulation]") {
+  const aslio::test::TemporaryFolder folder;
+  SimulationOptions options;
+  options.sensor = SensorKind::vlp16;
+  options.duration = 1.0;
+  options.T_imu_lidar =
+      Pose{Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix(), Vec3(0.2, -0.1, 0.3)};
+  const Simulation simulation(
+      simulator::test::room(folder, "lidar: {noise: false, grazing_begin: 89.9, grazing_end: 90}\n"), options);
+  using namespace simulator::test;
+  CHECK(simulation.packet_count() == 10);
+  CHECK(simulation.end_time() == simulation.begin_time() + kSecond);
+  CHECK(simulation.imu().samples.back().t <= simulation.end_time());
+  CHECK(simulation.claimed_sensor().T_imu_lidar.p == options.T_imu_lidar->p);
+  TimeNs last = -1;
+  for (std::size_t index = 0; index < simulation.packet_count(); ++index) {
+    const SimulatedPacket packet = simulation.packet(index);
+    CHECK(packet.blocks.size() == 10);
+    double worst = 0;
+    for (const TimedPoint& point : packet.packet.points) {
+      const TimeNs since = point.t - simulation.begin_time();
+      CHECK((since % 55'296 == 0 && since >= last));
+      last = since;
+      const MotionState m = simulation.motion().at(to_seconds(since));
+      const Vec3 p = Pose{m.R, m.p} * *options.T_imu_lidar * Vec3(point.x, point.y, point.z);
+      const double off =
+          std::min({std::abs(p.x() - kWestWall), std::abs(p.x() - kEastWall), std::abs(p.y() - kSouthWall),
+                    std::abs(p.y() - kNorthWall), std::abs(p.z()), std::abs(p.z() - 3)});
+      worst = std::max(worst, off);
+    }
+    CHECK(worst < 1e-5);
+  }
+}

@@ -7,8 +7,10 @@
 #include <type_traits>
 
 #include "aslio/core/errors.hpp"
+#include "aslio/io/rosbag/messages.hpp"
 #include "decode/wire.hpp"
 #include "lidar_decoder.hpp"
+#include "packets/velodyne.hpp"
 
 namespace aslio::io {
 namespace {
@@ -91,7 +93,46 @@ void copy_livox(Wire& in, CdrOutput& out) {
   }
 }
 
+/// Raw packets of a Velodyne.
+void copy_packets(Wire& in, CdrOutput& out) {
+  const auto packets = in.get<std::uint32_t>();
+  out.put(packets);
+  for (std::uint32_t i = 0; i < packets && in.ok(); ++i) {
+    const TimeNs received = in.time();
+    out.put(static_cast<std::int32_t>(received / kSecond));
+    out.put(static_cast<std::uint32_t>(received % kSecond));
+    out.put_bytes(in.take(packets::kVelodyneDataBytes));
+  }
+}
+
+/// Messages of doubles behind the header, which references come in.
+std::uint64_t doubles_of(const Connection& connection) {
+  if (connection.encoding != Encoding::ros1) return 0;
+  if (connection.type == rosbag::kPoseStamped.name) return 7;
+  return connection.type == rosbag::kPointStamped.name ? 3 : 0;
+}
+
+bool converts(const Connection& connection) {
+  const MessageKind kind = message_kind(connection);
+  if (kind == MessageKind::packets) return connection.type == rosbag::kVelodyneScan.name;
+  return kind != MessageKind::other || doubles_of(connection) > 0;
+}
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
 }  // namespace
+
+std::string ros2_definition(std::string_view ros1) {
+  std::string text(ros1);
+  replace_all(text, "MSG: std_msgs/Header\nuint32 seq\n", "MSG: std_msgs/Header\n");
+  replace_all(text, "\ntime ", "\nbuiltin_interfaces/Time ");
+  if (text.find("builtin_interfaces/Time ") == std::string::npos) return text;
+  return text + std::string(80, '=') + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+}
 
 std::string ros2_type(const std::string& type) {
   const auto slash = type.find('/');
@@ -100,6 +141,7 @@ std::string ros2_type(const std::string& type) {
 }
 
 std::string to_cdr(const Connection& ros1, std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out) {
+  if (!converts(ros1)) return "no conversion of " + ros1.type + " to CDR";
   Wire in({bytes, Encoding::ros1});
   CdrOutput to(out);
   copy_header(in, to);
@@ -114,8 +156,11 @@ std::string to_cdr(const Connection& ros1, std::span<const std::uint8_t> bytes, 
       copy_livox(in, to);
       break;
     case MessageKind::packets:
+      copy_packets(in, to);
+      break;
     case MessageKind::other:
-      return "no conversion of " + ros1.type + " to CDR";
+      copy<double>(in, to, doubles_of(ros1));
+      break;
   }
   return in.ok() ? std::string{} : in.problem(ros1.type);
 }
@@ -131,7 +176,7 @@ std::vector<std::string> copy_messages(MessageReader& from, MessageWriter& to, E
   std::vector<std::string> left_out;
   for (const Connection& c : from.connections()) {
     const bool convert = c.encoding != encoding;
-    if (convert && (encoding != Encoding::cdr || message_kind(c) == MessageKind::other)) {
+    if (convert && (encoding != Encoding::cdr || !converts(c))) {
       left_out.push_back(c.topic);
       continue;
     }

@@ -89,6 +89,7 @@ FamilyPartsConfig parts_of(const FamilyConfig& family, const FamilySequenceConfi
     }
     if (!variant->parts.input.empty()) parts.input = variant->parts.input;
     if (!variant->parts.reference.file.empty()) parts.reference = variant->parts.reference;
+    if (variant->parts.stand_in.given()) parts.stand_in = variant->parts.stand_in;
   }
   if (!sequence.input.empty()) parts.input = sequence.input;
   if (!sequence.reference_file.empty()) parts.reference.file = sequence.reference_file;
@@ -145,6 +146,7 @@ FamilySequence sequence_of(const FamilyConfig& family, const FamilySequenceConfi
     sequence.reference->file = filled(parts.reference.file, config);
     sequence.reference->times = filled(parts.reference.times, config);
   }
+  sequence.stand_in = parts.stand_in;
   sequence.section = {config.start, config.duration};
   sequence.closed_loop = config.closed_loop;
   sequence.sweeps = config.sweeps;
@@ -170,6 +172,7 @@ void FamilyPartsConfig::describe(config::Binder& b, FamilyPartsConfig& parts) {
           "{variant} stand for names; ' | ' separates alternatives");
   b.group("reference", parts.reference,
           "the truth; `file` and `times` are relative to the data folder, with the placeholders of `input`");
+  b.group("stand_in", parts.stand_in, "how a simulator writes the sequences, where `input` and the sensor do not say");
   b.require(parts.sensor.empty() == parts.extrinsics.empty(), "extrinsics",
             "belong to a sensor file: give both or neither");
   const std::string wrong = first_trouble(parts.input);

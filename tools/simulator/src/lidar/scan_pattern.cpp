@@ -100,6 +100,38 @@ class Spinning final : public ScanPattern {
   std::vector<SineCosine> elevations_, azimuths_;  ///< clockwise seen from above, from x
 };
 
+/// A Velodyne VLP-16 as its manual (63-9243) has it: its lasers fire one after the other, 2.304 us apart, in a cycle of
+/// 55.296 us, and do not leave from one point. All beams of a cycle share its time; their azimuths are those of their
+/// own.
+class Vlp16 final : public ScanPattern {
+ public:
+  Vlp16() {
+    for (int line = 0; line < kBeams; ++line)
+      elevations_[static_cast<std::size_t>(line)] = sine_cosine((-15.0 + 2.0 * line) * kRadPerDeg);
+  }
+  std::size_t beams_per_firing() const override { return kBeams; }
+  TimeNs firing_period() const override { return 55'296; }
+  LidarMessage message() const override { return LidarMessage::point_cloud2; }
+  bool has_heights() const override { return true; }
+  void fire(TimeNs since, std::span<Beam> out) const override {
+    constexpr TimeNs kLaserTime = 2'304;
+    // Of the lasers by line: the lower half are those of even numbers.
+    constexpr std::array<double, kBeams> kHeights = {11.2, 9.7,  8.1,  6.6,  5.1,  3.7,  2.2,  0.7,
+                                                     -0.7, -2.2, -3.7, -5.1, -6.6, -8.1, -9.7, -11.2};  // mm
+    for (std::size_t line = 0; line < kBeams; ++line) {
+      const std::size_t laser = line < kBeams / 2 ? 2 * line : 2 * line - (kBeams - 1);
+      const TimeNs at = (since + kLaserTime * static_cast<TimeNs>(laser)) % kTurnTime;
+      const double azimuth = -kTurn * static_cast<double>(at) / static_cast<double>(kTurnTime);
+      out[line] = beam_at(sine_cosine(azimuth), elevations_[line]);
+      out[line].height = 1e-3 * kHeights[line];
+    }
+  }
+
+ private:
+  static constexpr int kBeams = 16;
+  std::array<SineCosine, kBeams> elevations_;
+};
+
 }  // namespace
 
 bool may_be_columns(std::int64_t columns) {
@@ -121,6 +153,8 @@ std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind, std::int64_t col
       return std::make_unique<Spinning>(32, -30.67, 10.67, columns);
     case SensorKind::spin64:
       return std::make_unique<Spinning>(64, -24.8, 2.0, columns);
+    case SensorKind::vlp16:
+      return std::make_unique<Vlp16>();
     default:
       return std::make_unique<Avia>();
   }

@@ -51,7 +51,7 @@ SensorFacts spinning(std::string_view name, double max_range) {
 const SensorFacts& facts(SensorKind kind) {
   static const SensorFacts avia = livox_avia(), mid360 = livox_mid360();
   static const SensorFacts spin16 = spinning("spin16", 100), spin32 = spinning("spin32", 100);
-  static const SensorFacts spin64 = spinning("spin64", 120);
+  static const SensorFacts spin64 = spinning("spin64", 120), vlp16 = spinning("vlp16", 100);
   switch (kind) {
     case SensorKind::mid360:
       return mid360;
@@ -61,6 +61,8 @@ const SensorFacts& facts(SensorKind kind) {
       return spin32;
     case SensorKind::spin64:
       return spin64;
+    case SensorKind::vlp16:
+      return vlp16;
     default:
       return avia;
   }

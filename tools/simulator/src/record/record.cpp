@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "aslio/core/errors.hpp"
-#include "aslio/core/sha256.hpp"
 #include "aslio/exec/executor.hpp"
+#include "aslio/io/source.hpp"
 #include "aslio/io/writers.hpp"
-#include "record/bag.hpp"
+#include "record/native_layout.hpp"
+#include "record/stream.hpp"
 #include "record/tables.hpp"
 #include "record/top_view.hpp"
 
@@ -48,15 +49,16 @@ void remove_dataset_file(const fs::path& path) {
 /// Takes packets in order to everything that is made of them.
 class Recording {
  public:
-  Recording(const Simulation& simulation, const Trajectory& truth, const RecordOptions& options, RecordResult& result)
+  Recording(const Simulation& simulation, const Trajectory& truth, const RecordOptions& options,
+            const RecordLayout& layout, RecordResult& result)
       : simulation_(simulation),
-        bag_(simulation, options.folder / (options.name + ".bag"), options.compress),
+        stream_(simulation, truth, layout),
         overlap_(options.folder / "overlap.csv"),
         top_view_(truth, simulation.caster().mesh(), simulation.ground()),
         result_(result) {}
 
   void add(const SimulatedPacket& packet, std::size_t index) {
-    bag_.add(packet.packet, index);
+    stream_.add(packet.packet, index);
     for (std::size_t k = 0; k < packet.blocks.size(); ++k) {
       const bool last = k + 1 == packet.blocks.size();
       const TimeNs packet_end = std::min(packet.packet.stamp + Simulation::kPacketPeriod, simulation_.end_time());
@@ -68,17 +70,18 @@ class Recording {
   }
 
   void close() {
-    bag_.close();
+    stream_.close();
     overlap_.close();
-    result_.packets = bag_.lidar_messages();
-    result_.imu_samples = bag_.imu_messages();
+    result_.packets = stream_.lidar_messages();
+    result_.imu_samples = stream_.imu_messages();
+    result_.files = stream_.files();
   }
 
   const TopView& top_view() const { return top_view_; }
 
  private:
   const Simulation& simulation_;
-  RecordingBag bag_;
+  RecordingStream stream_;
   OverlapTable overlap_;
   TopView top_view_;
   RecordResult& result_;
@@ -119,24 +122,30 @@ bool record(const Simulation& simulation, const SceneFile& scene, const RecordOp
   const auto start = std::chrono::steady_clock::now();
   result = {};
   create_folder(options.folder);
-  const fs::path dataset = options.folder / "dataset.yaml", bag = options.folder / (options.name + ".bag");
+  const fs::path dataset = options.folder / "dataset.yaml";
   remove_dataset_file(dataset);
+  const bool native = !options.layout;
+  const RecordLayout layout = native ? native_layout(simulation, options) : *options.layout;
+  if (native) remove_earlier_parts(options);
   const Trajectory truth = simulation.truth();
   result.data_s = simulation.duration();
   result.path_length_m = truth.path_length();
-  Recording recording(simulation, truth, options, result);
+  Recording recording(simulation, truth, options, layout, result);
   if (!cast_all(simulation, recording, options.threads, progress)) return false;
   if (result.points == 0) throw nothing_returned(simulation, truth);
   recording.close();
   io::write_tum(options.folder / "truth.tum", truth.samples());
   write_truth_table(simulation, options.folder / "truth.csv");
-  write_text(options.folder / "sensor.yaml", sensor_file(simulation));
   write_text(options.folder / "scene.yaml", scene_file(simulation, scene));
   const std::string title = fmt::format("{}: {:.0f} m, {:.0f} s, {}", options.name, result.path_length_m, result.data_s,
                                         facts(simulation.sensor_kind()).name);
   write_text(options.folder / "preview.svg", recording.top_view().svg(truth, title));
-  result.bag_sha256 = sha256_of_file(bag);
-  write_text(dataset, dataset_file(simulation, options.name));
+  if (native) {
+    write_text(options.folder / "sensor.yaml", sensor_file(simulation));
+    result.input = native_input(options);
+    result.bag_sha256 = io::input_digest(options.folder / result.input);
+    write_text(dataset, dataset_file(simulation, options.name, result.input));
+  }
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return true;
 }

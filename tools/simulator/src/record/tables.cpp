@@ -132,7 +132,7 @@ std::string scene_file(const Simulation& simulation, const SceneFile& scene) {
                      with_overrides(scene, effective).resolved);
 }
 
-std::string dataset_file(const Simulation& simulation, const std::string& name) {
+std::string dataset_file(const Simulation& simulation, const std::string& name, const std::string& input) {
   const MotionState begin = simulation.motion().at(0), end = simulation.motion().at(simulation.duration());
   const bool closed = (begin.p - end.p).norm() < 1e-3 && log_so3(begin.R.transpose() * end.R).norm() < 1.75e-3;
   return fmt::format(
@@ -143,7 +143,7 @@ std::string dataset_file(const Simulation& simulation, const std::string& name) 
       "sensor: sensor.yaml\n"
       "reference: truth.tum\n"
       "closed_loop: {}\n",
-      yaml_text(name), yaml_text(simulation.scene().description), yaml_text(name + ".bag"), closed);
+      yaml_text(name), yaml_text(simulation.scene().description), yaml_text(input), closed);
 }
 
 }  // namespace aslio::simulator

@@ -29,6 +29,6 @@ std::string sensor_file(const Simulation& simulation);
 /// The scene as it was simulated.
 std::string scene_file(const Simulation& simulation, const SceneFile& scene);
 /// Dataset file over the files beside it.
-std::string dataset_file(const Simulation& simulation, const std::string& name);
+std::string dataset_file(const Simulation& simulation, const std::string& name, const std::string& input);
 
 }  // namespace aslio::simulator

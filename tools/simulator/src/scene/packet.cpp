@@ -27,10 +27,11 @@ class PacketSimulation {
     out_.packet.stamp = simulation_.begin_time() + begin;
     out_.packet.sweep_id = static_cast<std::uint32_t>(index);
     out_.packet.points.reserve(static_cast<std::size_t>((end - begin) / period + 1) * beams_.size());
-    for (TimeNs t = begin; t < end; t += period) {
-      if ((t - begin) % kBlock == 0) {
-        out_.blocks.push_back({simulation_.begin_time() + t, {}, 0});
-        out_.blocks.back().cells.reserve(static_cast<std::size_t>(kBlock / period) * beams_.size());
+    for (TimeNs t = (begin + period - 1) / period * period; t < end; t += period) {
+      if (const TimeNs block = t - (t - begin) % kBlock; out_.blocks.empty() || block != block_) {
+        block_ = block;
+        out_.blocks.push_back({simulation_.begin_time() + block, {}, 0});
+        out_.blocks.back().cells.reserve(static_cast<std::size_t>(kBlock / period + 1) * beams_.size());
       }
       fire(t);
     }
@@ -47,7 +48,7 @@ class PacketSimulation {
       pulses_[k] = model_.emit(beams_[k]);
       directions_[k] = T_W_L.R * pulses_[k].direction;
     }
-    simulation_.caster().cast(T_W_L.p, directions_, model_.max_range(), hits_);
+    cast(T_W_L);
     simulation_.people().in_view(t, T_W_L.p, directions_, bodies_);
     simulation_.cars().in_view(t, T_W_L.p, directions_, cars_);
     out_.rays += beams_.size();
@@ -55,14 +56,27 @@ class PacketSimulation {
     for (std::size_t k = 0; k < beams_.size(); ++k) receive(since, k, T_W_L);
   }
 
+  Vec3 origin(std::size_t k, const Pose& T_W_L) const { return T_W_L.p + beams_[k].height * T_W_L.R.col(2); }
+
+  void cast(const Pose& T_W_L) {
+    if (!simulation_.pattern().has_heights()) {
+      simulation_.caster().cast(T_W_L.p, directions_, model_.max_range(), hits_);
+      return;
+    }
+    for (std::size_t k = 0; k < hits_.size(); ++k) {
+      hits_[k] = simulation_.caster().cast(origin(k, T_W_L), directions_[k], model_.max_range());
+    }
+  }
+
   void receive(TimeNs since, std::size_t k, const Pose& T_W_L) {
     SurfaceHit& hit = hits_[k];
-    cast_people(bodies_, T_W_L.p, directions_[k], hit);
-    cast_cars(cars_, T_W_L.p, directions_[k], hit);
+    const Vec3 from = origin(k, T_W_L);
+    cast_people(bodies_, from, directions_[k], hit);
+    cast_cars(cars_, from, directions_[k], hit);
     if (hit.moving) {
       ++out_.blocks.back().people_rays;
     } else if (std::isfinite(hit.range)) {
-      const Vec3 p_W = T_W_L.p + hit.range * directions_[k];
+      const Vec3 p_W = from + hit.range * directions_[k];
       out_.blocks.back().cells.push_back(cell_key(p_W));
       if (in_view_) out_.view.push_back(p_W.cast<float>());
     }
@@ -70,13 +84,14 @@ class PacketSimulation {
     SurfaceHit second;
     if (pulse.mixed) {
       const Vec3 direction = T_W_L.R * pulse.second;
-      second = simulation_.caster().cast(T_W_L.p, direction, model_.max_range());
-      cast_people(bodies_, T_W_L.p, direction, second);
-      cast_cars(cars_, T_W_L.p, direction, second);
+      second = simulation_.caster().cast(from, direction, model_.max_range());
+      cast_people(bodies_, from, direction, second);
+      cast_cars(cars_, from, direction, second);
     }
     const std::optional<Return> received = model_.receive(pulse, hit, second);
     if (!received) return;
-    const Vec3 p_L = received->range * beams_[k].direction;
+    Vec3 p_L = received->range * beams_[k].direction;
+    if (beams_[k].height != 0) p_L.z() += beams_[k].height;
     TimedPoint point;
     point.x = static_cast<float>(p_L.x());
     point.y = static_cast<float>(p_L.y());
@@ -98,6 +113,7 @@ class PacketSimulation {
   std::vector<Body> bodies_;
   std::vector<CarBody> cars_;
   std::size_t firings_ = 0;
+  TimeNs block_ = 0;
   bool in_view_ = false;
   SimulatedPacket out_;
 };

@@ -65,10 +65,12 @@ Vec3 random_direction(RandomStream& stream) {
   return v.normalized();
 }
 
-SensorModel true_sensor(SensorKind kind, const LidarParams& lidar, const ImuModel& imu) {
+SensorModel true_sensor(SensorKind kind, const LidarParams& lidar, const ImuModel& imu,
+                        const std::optional<Pose>& T_imu_lidar) {
   const SensorFacts& f = facts(kind);
   SensorModel sensor;
   sensor.T_imu_lidar.p = f.p_imu_lidar;
+  if (T_imu_lidar) sensor.T_imu_lidar = *T_imu_lidar;
   sensor.scan_lines = static_cast<int>(make_scan_pattern(kind)->beams_per_firing());
   sensor.min_range = lidar.min_range.value_or(f.min_range);
   sensor.max_range = lidar.max_range.value_or(f.max_range);
@@ -150,15 +152,16 @@ void Simulation::build(const SceneFile& file) {
   }
   pattern_ = make_scan_pattern(kind_, scene_.lidar.columns);
   const ImuModel model = imu_model(scene_.imu);
-  sensor_ = true_sensor(kind_, scene_.lidar, model);
+  sensor_ = true_sensor(kind_, scene_.lidar, model, options_.T_imu_lidar);
   claimed_sensor_ = with_errors(sensor_, scene_.stress, options_.seed);
-  const double samples = motion_->duration() * std::max(model.rate, kTruthRate);
+  duration_ = std::min(motion_->duration(), options_.duration.value_or(motion_->duration()));
+  const double samples = duration_ * std::max(model.rate, kTruthRate);
   if (samples > kMaxSamples)
     throw ConfigError(
         fmt::format("the motion lasts {:.0f} s: {:.3g} samples at {:g} Hz, at most {:g} fit into memory. Give fewer "
                     "walk.laps, a shorter route or a lower imu.rate",
-                    motion_->duration(), samples, std::max(model.rate, kTruthRate), kMaxSamples));
-  imu_ = simulate_imu(*motion_, options_.begin, motion_->duration(), model, options_.seed);
+                    duration_, samples, std::max(model.rate, kTruthRate), kMaxSamples));
+  imu_ = simulate_imu(*motion_, options_.begin, duration_, model, options_.seed);
 }
 
 Simulation::~Simulation() = default;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "aslio/io/message_writer.hpp"
@@ -13,7 +14,10 @@ namespace aslio::io {
 /// package/Name -> package/msg/Name; a name of ROS2 stays as it is.
 std::string ros2_type(const std::string& type);
 
-/// Serialises an Imu, PointCloud2 or Livox CustomMsg of ROS1 as plain CDR, little-endian. All values stay; `seq` of the
+/// A definition of rosbag/messages.hpp as ROS2 has it: the header without `seq`, times as builtin_interfaces/Time.
+std::string ros2_definition(std::string_view ros1);
+
+/// Serialises an Imu, PointCloud2, Livox CustomMsg, VelodyneScan, PoseStamped or PointStamped of ROS1 as plain CDR, little-endian. All values stay; `seq` of the
 /// header goes, as ROS2 has none. Empty text, or why the message cannot be converted.
 std::string to_cdr(const Connection& ros1, std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out);
 

@@ -89,7 +89,8 @@ void apply_protocol(ReferenceSpec& spec) {
     case Protocol::ntu_viral:
       if (!placed) spec.lever_arm = {-0.293656, -0.012288, -0.273095};  // prism in the body frame
       spec.positions_only = PositionsOnly::yes;
-      if (spec.topic.empty() && is_recording(spec.file)) spec.topic = "/leica/pose/relative";
+      if (spec.topic.empty() && (spec.format == ReferenceFormat::recording || is_recording(spec.file)))
+        spec.topic = "/leica/pose/relative";
       if (!spec.max_neighbour) spec.max_neighbour = 0.1;
       if (!spec.max_gap) spec.max_gap = 2 * *spec.max_neighbour;
       return;

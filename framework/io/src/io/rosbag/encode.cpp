@@ -106,23 +106,18 @@ uint8 datatype
 uint32 count
 )";
 
-void append_string(std::vector<std::uint8_t>& out, std::string_view text) {
-  append(out, static_cast<std::uint32_t>(text.size()));
-  append_text(out, text);
-}
-
-void start(std::vector<std::uint8_t>& out, const HeaderFields& header) {
-  out.clear();
-  append(out, header.seq);
-  append_time(out, header.stamp);
-  append_string(out, header.frame_id);
-}
-
 void append_vector(std::vector<std::uint8_t>& out, const Vec3& v) {
   for (int i = 0; i < 3; ++i) append(out, v[i]);
 }
 
 }  // namespace
+
+void append_header(std::vector<std::uint8_t>& out, const HeaderFields& header) {
+  out.clear();
+  append(out, header.seq);
+  append_time(out, header.stamp);
+  append_string(out, header.frame_id);
+}
 
 const MessageType kLivoxCustomMsg{"livox_ros_driver/CustomMsg", "e4d6829bdfe657cb6c21a746c86b21a6", kLivoxText};
 const MessageType kLivox2CustomMsg{"livox_ros_driver2/CustomMsg", "e4d6829bdfe657cb6c21a746c86b21a6", kLivox2Text};
@@ -132,7 +127,7 @@ const MessageType kPointCloud2{"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1
 void encode_livox(const HeaderFields& header, TimeNs timebase, std::uint8_t lidar_id,
                   std::span<const LivoxPoint> points, std::vector<std::uint8_t>& out) {
   constexpr std::size_t kPointBytes = 19;
-  start(out, header);
+  append_header(out, header);
   append(out, static_cast<std::uint64_t>(timebase));
   append(out, static_cast<std::uint32_t>(points.size()));
   append(out, std::array<std::uint8_t, 4>{lidar_id, 0, 0, 0});
@@ -154,7 +149,7 @@ void encode_livox(const HeaderFields& header, TimeNs timebase, std::uint8_t lida
 void encode_imu(const HeaderFields& header, const Vec3& gyro, const Vec3& acc, std::vector<std::uint8_t>& out) {
   constexpr std::array<double, 9> kUnknown{-1, 0, 0, 0, 0, 0, 0, 0, 0};
   constexpr std::array<double, 9> kZero{};
-  start(out, header);
+  append_header(out, header);
   append(out, std::array<double, 4>{0, 0, 0, 1});
   append(out, kUnknown);
   append_vector(out, gyro);
@@ -165,7 +160,7 @@ void encode_imu(const HeaderFields& header, const Vec3& gyro, const Vec3& acc, s
 
 void encode_point_cloud2(const HeaderFields& header, const CloudLayout& layout, std::span<const std::uint8_t> data,
                          std::vector<std::uint8_t>& out) {
-  start(out, header);
+  append_header(out, header);
   append(out, layout.height);
   append(out, layout.width);
   append(out, static_cast<std::uint32_t>(layout.fields.size()));

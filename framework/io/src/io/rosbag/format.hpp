@@ -52,6 +52,16 @@ inline void append_time(std::vector<std::uint8_t>& out, TimeNs t) {
   append(out, static_cast<std::uint32_t>(t % kSecond));
 }
 
+/// With its length in front.
+inline void append_string(std::vector<std::uint8_t>& out, std::string_view text) {
+  append(out, static_cast<std::uint32_t>(text.size()));
+  append_text(out, text);
+}
+
+struct HeaderFields;
+/// Replaces the content of `out` with a std_msgs/Header.
+void append_header(std::vector<std::uint8_t>& out, const HeaderFields& header);
+
 inline TimeNs load_time(const std::uint8_t* from) {
   return static_cast<TimeNs>(load<std::uint32_t>(from)) * kSecond + load<std::uint32_t>(from + 4);
 }

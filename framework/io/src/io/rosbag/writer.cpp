@@ -1,11 +1,11 @@
 #include "aslio/io/rosbag/writer.hpp"
 
 #include <fmt/format.h>
-#include <lz4frame.h>
 
 #include <algorithm>
 #include <map>
 
+#include "../compress.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/io/writers.hpp"
 #include "format.hpp"
@@ -81,19 +81,6 @@ Buffer file_header(std::uint64_t index_position, std::size_t connections, std::s
   field(header, "chunk_count", static_cast<std::uint32_t>(chunks));
   append_record(record, header, Buffer(kFileHeaderBytes - 8 - header.size(), ' '));
   return record;
-}
-
-Buffer compress_lz4(const Buffer& raw) {
-  LZ4F_preferences_t preferences{};
-  // What roslz4 insists on: independent blocks, no block checksums, no content size.
-  preferences.frameInfo.blockMode = LZ4F_blockIndependent;
-  preferences.frameInfo.blockSizeID = LZ4F_max4MB;
-  preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
-  Buffer out(LZ4F_compressFrameBound(raw.size(), &preferences));
-  const std::size_t size = LZ4F_compressFrame(out.data(), out.size(), raw.data(), raw.size(), &preferences);
-  if (LZ4F_isError(size)) throw DataError(fmt::format("lz4: {}", LZ4F_getErrorName(size)));
-  out.resize(size);
-  return out;
 }
 
 std::string_view as_text(const Buffer& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }

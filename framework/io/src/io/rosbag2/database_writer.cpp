@@ -1,8 +1,9 @@
 #include <fmt/format.h>
-#include <zstd.h>
 
+#include <set>
 #include <vector>
 
+#include "../compress.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/io/rosbag2/writer.hpp"
 #include "statement.hpp"
@@ -29,8 +30,9 @@ struct DatabaseWriter::Impl {
   std::filesystem::path path, temporary;
   DatabaseOptions options;
   Database database;
-  Statement topic, message;
+  Statement topic, message, definition;
   std::int64_t topics = 0;
+  std::set<std::string> defined;
   std::vector<std::uint8_t> packed;
 
   [[noreturn]] void fail() const {
@@ -48,9 +50,19 @@ struct DatabaseWriter::Impl {
     if (sqlite3_step(statement.get()) != SQLITE_DONE) fail();
     sqlite3_reset(statement.get());
   }
+  /// The text of a type, once.
+  void define(const Connection& connection) {
+    if (!defined.insert(connection.type).second) return;
+    sqlite3_stmt* row = definition.get();
+    sqlite3_bind_text(row, 1, connection.type.data(), static_cast<int>(connection.type.size()), SQLITE_TRANSIENT);
+    sqlite3_bind_text(row, 2, connection.definition.data(), static_cast<int>(connection.definition.size()),
+                      SQLITE_TRANSIENT);
+    step(definition);
+  }
   void discard() {
     topic.reset();
     message.reset();
+    definition.reset();
     database.reset();
     std::error_code ignored;
     if (!temporary.empty()) std::filesystem::remove(temporary, ignored);
@@ -74,6 +86,9 @@ DatabaseWriter::DatabaseWriter(const std::filesystem::path& path, DatabaseOption
   impl_->run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
   impl_->run(kTables);
   impl_->topic = impl_->prepare("INSERT INTO topics VALUES (?, ?, ?, 'cdr', '', '')");
+  impl_->definition = impl_->prepare(
+      "INSERT INTO message_definitions(topic_type, encoding, encoded_message_definition, type_description_hash) "
+      "VALUES (?, 'ros2msg', ?, '')");
   impl_->message = impl_->prepare("INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)");
 }
 
@@ -89,15 +104,14 @@ std::uint32_t DatabaseWriter::add(const Connection& connection) {
   sqlite3_bind_text(row, 2, connection.topic.data(), static_cast<int>(connection.topic.size()), SQLITE_TRANSIENT);
   sqlite3_bind_text(row, 3, connection.type.data(), static_cast<int>(connection.type.size()), SQLITE_TRANSIENT);
   impl_->step(impl_->topic);
+  if (!connection.definition.empty()) impl_->define(connection);
   return static_cast<std::uint32_t>(impl_->topics);
 }
 
 void DatabaseWriter::write(std::uint32_t connection, TimeNs time, std::span<const std::uint8_t> bytes) {
   if (impl_->options.compress) {
-    impl_->packed.resize(ZSTD_compressBound(bytes.size()));
-    const std::size_t size = ZSTD_compress(impl_->packed.data(), impl_->packed.size(), bytes.data(), bytes.size(), 1);
-    if (ZSTD_isError(size) != 0) throw DataError(fmt::format("{}: {}", impl_->path.string(), ZSTD_getErrorName(size)));
-    bytes = std::span(impl_->packed).first(size);
+    impl_->packed = compress_zstd(bytes);
+    bytes = impl_->packed;
   }
   sqlite3_stmt* row = impl_->message.get();
   sqlite3_bind_int64(row, 1, connection);
@@ -111,6 +125,7 @@ void DatabaseWriter::close() {
   impl_->run("COMMIT");
   impl_->topic.reset();
   impl_->message.reset();
+  impl_->definition.reset();
   if (sqlite3_close(impl_->database.release()) != SQLITE_OK) {
     throw DataError(fmt::format("{}: cannot close the database", impl_->path.string()));
   }

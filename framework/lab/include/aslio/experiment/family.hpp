@@ -10,6 +10,7 @@
 
 #include "aslio/experiment/dataset.hpp"
 #include "aslio/experiment/published_extrinsic.hpp"
+#include "aslio/experiment/stand_in_config.hpp"
 #include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/io/transforms.hpp"
@@ -33,6 +34,7 @@ struct FamilyPartsConfig {
   std::vector<FamilyExtrinsicConfig> extrinsics;
   std::vector<std::string> input;  ///< patterns relative to the data folder
   io::ReferenceSpec reference;     ///< its paths are patterns, too; without a file: none
+  StandInConfig stand_in;          ///< how a simulator writes it
   static void describe(config::Binder& b, FamilyPartsConfig& parts);
 };
 
@@ -72,6 +74,7 @@ struct FamilySequence {
   std::vector<PublishedExtrinsic> extrinsics;  ///< the first one is that of the sensor file
   std::vector<std::string> input;              ///< patterns relative to the data folder
   std::optional<io::ReferenceSpec> reference;  ///< its paths are relative to the data folder
+  StandInConfig stand_in;
   io::Section section;
   bool closed_loop = false;
   std::int64_t sweeps = 0, imu_samples = 0;  ///< 0: not known

@@ -15,9 +15,10 @@ namespace aslio::simulator {
 /// A beam in the LiDAR frame (x forward, z up) and the unit vectors in which its azimuth and elevation grow.
 struct Beam {
   Vec3 direction = Vec3::UnitX(), azimuth = Vec3::UnitY(), elevation = Vec3::UnitZ();
+  double height = 0;  ///< of its origin above that of the LiDAR frame [m]
 };
 
-enum class SensorKind : std::uint8_t { avia, mid360, spin16, spin32, spin64 };
+enum class SensorKind : std::uint8_t { avia, mid360, spin16, spin32, spin64, vlp16 };
 enum class LidarMessage : std::uint8_t { livox_custom, point_cloud2 };
 
 /// Beams leave in firings of equal size and period; the beams of a firing share its time.
@@ -26,8 +27,9 @@ class ScanPattern {
   virtual ~ScanPattern() = default;
   virtual std::size_t beams_per_firing()
       const = 0;                             ///< beam index = scan line, from the lowest elevation for spinning ones
-  virtual TimeNs firing_period() const = 0;  ///< [ns]; divides 0.1 s
+  virtual TimeNs firing_period() const = 0;  ///< [ns]; divides 0.1 s, but for vlp16
   virtual LidarMessage message() const = 0;
+  virtual bool has_heights() const { return false; }  ///< beams leave from different origins
   /// The beams of the firing `since` nanoseconds after the start; `out` has beams_per_firing() elements.
   virtual void fire(TimeNs since, std::span<Beam> out) const = 0;
 };

@@ -22,6 +22,8 @@ struct SimulationOptions {
   std::optional<SensorKind> sensor = std::nullopt;  ///< instead of the scene's
   double scale = 1;                                 ///< positions of route and world; in [kMinScale, kMaxScale]
   TimeNs begin = 1'700'000'000 * kSecond;           ///< data time of the first measurement
+  std::optional<double> duration = std::nullopt;    ///< the motion ends there, if not before [s]
+  std::optional<Pose> T_imu_lidar = std::nullopt;   ///< true extrinsic, instead of the sensor's
 };
 
 /// Rays of 10 ms and the cells (keys as in cell_key()) that those on the static world hit, where they really went:
@@ -73,7 +75,7 @@ class Simulation {
   /// Only for drives.
   const RoadLine* road() const { return road_.get(); }
   const ScanPattern& pattern() const { return *pattern_; }
-  double duration() const { return motion_->duration(); }  ///< [s]
+  double duration() const { return duration_; }  ///< [s]
   TimeNs begin_time() const { return options_.begin; }
   TimeNs end_time() const;
 
@@ -99,7 +101,7 @@ class Simulation {
   std::unique_ptr<Route> route_;
   std::unique_ptr<RoadLine> road_;
   std::unique_ptr<Motion> motion_;
-  double follow_error_ = 0;
+  double follow_error_ = 0, duration_ = 0;
   std::unique_ptr<Caster> caster_;
   Ground ground_;
   People people_;

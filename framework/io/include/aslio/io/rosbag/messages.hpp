@@ -2,6 +2,7 @@
 /// The ROS1 messages this project knows: names, checksums, definitions, and encoders for writers.
 /// Messages are recognised by checksum: livox_ros_driver and livox_ros_driver2 differ only in the package name.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -21,6 +22,10 @@ extern const MessageType kLivox2CustomMsg;  ///< livox_ros_driver2/CustomMsg
 extern const MessageType kImu;              ///< sensor_msgs/Imu
 extern const MessageType kPointCloud2;      ///< sensor_msgs/PointCloud2
 
+extern const MessageType kPoseStamped;   ///< geometry_msgs/PoseStamped
+extern const MessageType kPointStamped;  ///< geometry_msgs/PointStamped
+extern const MessageType kVelodyneScan;  ///< velodyne_msgs/VelodyneScan
+
 struct HeaderFields {
   std::uint32_t seq = 0;
   TimeNs stamp = 0;  ///< [ns], 0 or later
@@ -38,6 +43,17 @@ void encode_livox(const HeaderFields& header, TimeNs timebase, std::uint8_t lida
                   std::span<const LivoxPoint> points, std::vector<std::uint8_t>& out);
 /// Writes angular rate and acceleration as given, in whatever unit; no orientation (covariance[0] = -1).
 void encode_imu(const HeaderFields& header, const Vec3& gyro, const Vec3& acc, std::vector<std::uint8_t>& out);
+
+void encode_pose(const HeaderFields& header, const Pose& pose, std::vector<std::uint8_t>& out);
+void encode_point(const HeaderFields& header, const Vec3& position, std::vector<std::uint8_t>& out);
+
+/// velodyne_msgs/VelodynePacket: the data packet of a sensor, as it came.
+struct VelodynePacketFields {
+  TimeNs stamp = 0;  ///< when it was received [ns]
+  std::array<std::uint8_t, 1206> data{};
+};
+void encode_velodyne_scan(const HeaderFields& header, std::span<const VelodynePacketFields> packets,
+                          std::vector<std::uint8_t>& out);
 
 struct PointField {
   std::string name;
