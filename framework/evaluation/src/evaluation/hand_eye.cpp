@@ -13,7 +13,7 @@ namespace aslio::evaluation {
 
 namespace {
 
-constexpr TimeNs kCluster = 4 * kSecond;  // motions of 3 s that overlap are alike
+constexpr TimeNs kCluster = 6 * kSecond;  // twice as long as the longest motion: those that overlap are alike
 constexpr std::size_t kFewest = 20;
 constexpr int kIterations = 10;
 constexpr double kSlope = 5e-3;                          // [s] of a central difference over the delay
