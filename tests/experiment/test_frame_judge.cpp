@@ -180,6 +180,11 @@ TEST_CASE("without a motion nothing is wrong, and the reason stands there") {
   CHECK_THAT(experiment::render(check), Catch::Contains("open   LiDAR against gyro: it hardly turns"));
   CHECK_THAT(check.published_verdict, Catch::Contains("no published extrinsic can be judged"));
   m.gyro_lidar.unlike = true;
+  CHECK_FALSE(judged(m).contradicts());  // the registration may have failed
+  m.gyro_lidar.ratio = kDegPerRad;
+  CHECK(contradiction(judged(m)).value == "deg_s");
+  m.gyro_lidar.ratio = 1;
+  m.gyro_reference.unlike = true;
   CHECK(judged(m).contradicts());
 }
 

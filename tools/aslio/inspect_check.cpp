@@ -34,16 +34,20 @@ std::vector<experiment::PublishedExtrinsic> published(const std::vector<std::str
 experiment::FrameCheckOptions options_of(const FrameCheckArguments& a, const Recording& recording,
                                          const Stages& stages) {
   experiment::FrameCheckOptions options;
+  options.motion.sensor =
+      config::load<io::SensorConfig>(recording.sensor, config::FileKind::sensor, stages.catalog).value;
   options.motion.pipeline = a.pipeline;
   if (a.pipeline.empty()) {
     options.motion.pipeline = data_path("configs/pipelines/ct_icp.yaml");
-    // A third of a sweep: the motion within a window is taken for uniform, and that of a gait is not over a whole one.
-    options.motion.overrides = {"window.period=0.033", "window.cut=time"};
+    // The motion within a window is taken for uniform, and that of a gait is not over a whole sweep. A third of a sweep
+    // of a spinning sensor sees one side only.
+    constexpr int kLinesOfLivox = 6;
+    if (options.motion.sensor.model.scan_lines <= kLinesOfLivox) {
+      options.motion.overrides = {"window.period=0.033", "window.cut=time"};
+    }
   }
   options.motion.inputs = recording.inputs;
   options.motion.section = recording.section;
-  options.motion.sensor =
-      config::load<io::SensorConfig>(recording.sensor, config::FileKind::sensor, stages.catalog).value;
   options.reference = recording.reference;
   if (!a.reference.empty()) {
     options.reference = io::load_reference_spec(a.reference, a.reference_sets);

@@ -13,7 +13,10 @@ namespace aslio::evaluation {
 
 namespace {
 
-constexpr TimeNs kCluster = 4 * kSecond;  // motions of 3 s that overlap are alike
+constexpr TimeNs kCluster = 6 * kSecond;  // twice as long as the longest motion: those that overlap are alike
+// Variances are twice what the scatter of the clusters says: over 16 series made with known noise the squares of the
+// errors of position were 1.9 times what was claimed.
+constexpr double kClaimedTooWell = 2.0;
 constexpr std::size_t kFewest = 20;
 constexpr int kIterations = 10;
 constexpr double kSlope = 5e-3;                          // [s] of a central difference over the delay
@@ -79,7 +82,7 @@ class Solver {
       const ClusteredFit system = build();
       if (system.clusters() < 3) return false;
       if (i + 1 == kIterations) {
-        conclude(system.covariance());
+        conclude(kClaimedTooWell * system.covariance());
         break;
       }
       apply(system.step());

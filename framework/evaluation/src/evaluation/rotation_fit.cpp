@@ -147,16 +147,23 @@ class SignedRotation {
   double energy_ = 0, taken_ = 0;
 };
 
-/// Whether the axes whose sign is said to be wrong turn, and the other measures these turns as well.
-bool signs_are_certain(const Mat3& R, const Vec3& signs, const std::vector<Pair>& pairs) {
+/// Whether the axes whose sign is said to be wrong turn, and the other measures these turns as well. Turns that do not
+/// fit, as of a registration that failed, weigh little.
+bool signs_are_certain(const Mat3& R, const Vec3& signs, const std::vector<Pair>& pairs, double ratio) {
+  const auto residual = [&](const Pair& p) { return (p.turn->a - R * signs.cwiseProduct(p.b) / ratio).norm(); };
+  std::vector<double> lengths;
+  for (const Pair& p : pairs) lengths.push_back(residual(p));
+  const double sigma = spread_of(lengths, kLeastNoise);
+  Vec3 ab = Vec3::Zero(), aa = Vec3::Zero(), bb = Vec3::Zero();
+  for (const Pair& p : pairs) {
+    const Vec3 x = R.transpose() * p.turn->a, y = signs.cwiseProduct(p.b);
+    const double weight = robust_weight(residual(p), sigma);
+    ab += weight * x.cwiseProduct(y);
+    aa += weight * x.cwiseAbs2();
+    bb += weight * y.cwiseAbs2();
+  }
   for (int axis = 0; axis < 3; ++axis) {
-    if (signs[axis] > 0) continue;
-    double sab = 0, saa = 0, sbb = 0;
-    for (const Pair& p : pairs) {
-      const double x = (R.transpose() * p.turn->a)[axis], y = signs[axis] * p.b[axis];
-      sab += x * y, saa += x * x, sbb += y * y;
-    }
-    if (!(sab > 0.5 * std::sqrt(saa * sbb))) return false;
+    if (signs[axis] < 0 && !(ab[axis] > 0.5 * std::sqrt(aa[axis] * bb[axis]))) return false;
   }
   return true;
 }
@@ -312,7 +319,7 @@ RotationFit fit_rotation(std::span<const MotionStretch> a, const TurnSource& b, 
   fit.ratio = ratio_of(pairs);
   SignedRotation rough(pairs, options.expected, options.gyro ? 8 : 1, fit.ratio);
   if (rough.taken() < static_cast<double>(kFewest)) return without("the lengths of the turns do not agree");
-  if (!signs_are_certain(rough.rotation(), rough.signs(), pairs)) {
+  if (!signs_are_certain(rough.rotation(), rough.signs(), pairs, fit.ratio)) {
     rough = SignedRotation(pairs, options.expected, 1, fit.ratio);
   }
   fit.R_A_B = rough.rotation();

@@ -136,7 +136,10 @@ class Judge {
     const auto& fit = m_.gyro_lidar;
     if (!fit.problem.empty()) {
       const bool degrees = std::abs(std::abs(std::log(fit.ratio)) - std::log(kDegPerRad)) < 0.2;
-      return say(fit.unlike ? FindingKind::contradicts : FindingKind::undetermined, "LiDAR against gyro", fit.problem,
+      // A registration that failed looks the same, but for the factor of a unit, or where a reference says so, too.
+      const bool wrong = fit.unlike && (degrees || m_.gyro_reference.unlike);
+      const std::string text = fit.unlike && !wrong ? fit.problem + "; or the registration failed" : fit.problem;
+      return say(wrong ? FindingKind::contradicts : FindingKind::undetermined, "LiDAR against gyro", text,
                  degrees ? "gyro_unit" : "", degrees ? (fit.ratio > 1 ? "deg_s" : "rad_s") : "");
     }
     const Mat3 R = fit.R_A_B.transpose();  // R_I_L
