@@ -43,11 +43,15 @@ bool spins(SensorKind kind) { return kind != SensorKind::avia && kind != SensorK
 /// IMU, ranges and columns of the sensor file, as keys of a scene.
 std::vector<std::string> scene_keys(const experiment::StandIn& stand_in, SensorKind kind) {
   const SensorModel& m = stand_in.sensor.model;
-  std::vector<std::string> keys = {
-      fmt::format("imu.rate={}", stand_in.layout.imu.rate), fmt::format("imu.gyro_noise={}", m.gyro_noise),
-      fmt::format("imu.acc_noise={}", m.acc_noise),         fmt::format("imu.gyro_bias_walk={}", m.gyro_bias_walk),
-      fmt::format("imu.acc_bias_walk={}", m.acc_bias_walk), fmt::format("lidar.min_range={}", m.min_range),
-      fmt::format("lidar.max_range={}", m.max_range)};
+  std::vector<std::string> keys = {fmt::format("imu.rate={}", stand_in.layout.imu.rate),
+                                   fmt::format("lidar.min_range={}", m.min_range),
+                                   fmt::format("lidar.max_range={}", m.max_range)};
+  if (stand_in.sensor_noise) {
+    keys.insert(
+        keys.end(),
+        {fmt::format("imu.gyro_noise={}", m.gyro_noise), fmt::format("imu.acc_noise={}", m.acc_noise),
+         fmt::format("imu.gyro_bias_walk={}", m.gyro_bias_walk), fmt::format("imu.acc_bias_walk={}", m.acc_bias_walk)});
+  }
   if (spins(kind) && kind != SensorKind::vlp16) keys.push_back(fmt::format("lidar.columns={}", stand_in.columns));
   return keys;
 }

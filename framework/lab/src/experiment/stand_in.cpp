@@ -183,6 +183,7 @@ StandIn stand_in_of(const Family& family, const FamilySequence& sequence) {
   fill_lidar(config, out.sensor, layout.lidar);
   fill_imu(config, out.sensor, layout.imu);
   fill_reference(family, sequence, config, out.sensor, layout.reference);
+  out.sensor_noise = config.sensor_noise;
   out.published_columns = config.columns;
   // A sweep of half a turn has half of its columns.
   constexpr double kTurn = 0.1;

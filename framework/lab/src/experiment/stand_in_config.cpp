@@ -55,6 +55,9 @@ void StandInConfig::describe(config::Binder& b, StandInConfig& config) {
   describe_points(b, config);
   b.real("imu_rate", config.imu_rate, "Hz", {.min = 0.0, .max = 10000.0},
          "samples per second; 0: nothing is said of how the sequence is written");
+  b.flag(
+      "sensor_noise", config.sensor_noise,
+      "simulates the noise of the sensor file; false: that of the scene, where the sensor file has more than the IMU");
   b.texts("imu_columns", config.imu_columns, {}, "of a table of the IMU; empty: those of the sensor file");
   b.flag("imu_header", config.imu_header, "the table of the IMU begins with the names of its columns");
   describe_unit(b, "imu_time_unit", config.imu_time_unit, "of the times in the table of the IMU");

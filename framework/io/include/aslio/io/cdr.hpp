@@ -17,8 +17,9 @@ std::string ros2_type(const std::string& type);
 /// A definition of rosbag/messages.hpp as ROS2 has it: the header without `seq`, times as builtin_interfaces/Time.
 std::string ros2_definition(std::string_view ros1);
 
-/// Serialises an Imu, PointCloud2, Livox CustomMsg, VelodyneScan, PoseStamped or PointStamped of ROS1 as plain CDR, little-endian. All values stay; `seq` of the
-/// header goes, as ROS2 has none. Empty text, or why the message cannot be converted.
+/// Serialises an Imu, PointCloud2, Livox CustomMsg, VelodyneScan, PoseStamped or PointStamped of ROS1 as plain CDR,
+/// little-endian. All values stay; `seq` of the header goes, as ROS2 has none. Empty text, or why the message cannot be
+/// converted.
 std::string to_cdr(const Connection& ros1, std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out);
 
 /// Copies all messages in their order; those of ROS1 become CDR where `encoding` says so. Connections of a type that

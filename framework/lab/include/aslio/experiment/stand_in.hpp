@@ -16,6 +16,7 @@ namespace aslio::experiment {
 /// What to write, and for which sensor.
 struct StandIn {
   io::Layout layout;
+  bool sensor_noise = true;            ///< the IMU has the noise of `sensor`
   io::SensorConfig sensor;             ///< that of the sequence
   std::int64_t columns = 0;            ///< firings per turn of a spinning LiDAR, as the simulator can have them
   std::int64_t published_columns = 0;  ///< the same of the published sensor; 0: not known

@@ -20,6 +20,7 @@ struct StandInConfig {
   std::int64_t columns = 1000;  ///< of the published sensor
   io::TimeUnit name_unit = io::TimeUnit::ns;
   double imu_rate = 0;                   ///< [Hz]; 0: the block is not there
+  bool sensor_noise = true;              ///< that of the sensor file is simulated; false: that of the scene
   std::vector<std::string> imu_columns;  ///< of a table; empty: those of the sensor file
   bool imu_header = false;
   io::TimeUnit imu_time_unit = io::TimeUnit::ns;
