@@ -1,15 +1,22 @@
 /// The families of configs/datasets.
 
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "aslio/config/load.hpp"
 #include "aslio/experiment/family.hpp"
+#include "aslio/experiment/truth.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/plugin/registry.hpp"
+#include "temporary_folder.hpp"
 
 using namespace aslio;
 using namespace aslio::experiment;
@@ -28,6 +35,42 @@ std::vector<Family> shipped() {
 
 io::SensorConfig sensor_of(const FamilySequence& sequence) {
   return config::load<io::SensorConfig>(sequence.sensor, config::FileKind::sensor, plugin::Catalog()).value;
+}
+
+/// A walk of the IMU that turns about all axes.
+std::vector<StampedPose> walk() {
+  std::vector<StampedPose> poses;
+  for (int k = 0; k < 200; ++k) {
+    const double s = 0.1 * k;
+    const Vec3 turn(0.3 * std::sin(0.9 * s), 0.2 * std::sin(0.4 * s), 0.7 * std::sin(0.5 * s));
+    poses.push_back({1'700'000'000 * kSecond + k * (kSecond / 10),
+                     {exp_so3(turn), Vec3(3 * std::sin(0.3 * s), 0.8 * s, 0.2 * std::sin(s))}});
+  }
+  return poses;
+}
+
+/// The walk as the data set would publish it: its columns and unit, poses of the frame at `T_imu_reference`.
+void write_reference(const io::ReferenceSpec& spec, const Pose& T_imu_reference) {
+  const std::vector<std::string> tum{"t", "x", "y", "z", "qx", "qy", "qz", "qw"};
+  std::ofstream file(spec.file);
+  for (const StampedPose& pose : walk()) {
+    const Pose T = pose.T * T_imu_reference;
+    const Eigen::Quaterniond q(T.R);
+    const std::map<std::string, std::string> cells{
+        {"t", spec.time_unit == io::TimeUnit::ns ? fmt::to_string(pose.t) : fmt::format("{:.9f}", to_seconds(pose.t))},
+        {"sec", fmt::to_string(pose.t / kSecond)},
+        {"nsec", fmt::to_string(pose.t % kSecond)},
+        {"x", fmt::format("{:.9f}", T.p.x())},
+        {"y", fmt::format("{:.9f}", T.p.y())},
+        {"z", fmt::format("{:.9f}", T.p.z())},
+        {"qx", fmt::format("{:.9f}", q.x())},
+        {"qy", fmt::format("{:.9f}", q.y())},
+        {"qz", fmt::format("{:.9f}", q.z())},
+        {"qw", fmt::format("{:.9f}", q.w())},
+        {"-", "0"}};
+    for (const std::string& column : spec.columns.empty() ? tum : spec.columns) file << cells.at(column) << ' ';
+    file << '\n';
+  }
 }
 
 }  // namespace
@@ -80,6 +123,28 @@ TEST_CASE("the reference of a shipped family can be placed in the frame of the I
       CHECK_NOTHROW(io::parse_reference_spec(io::resolved_text(*sequence.reference), "resolved"));
     }
   }
+}
+
+TEST_CASE("a reference in the columns of a shipped family gives back the poses of the IMU") {
+  const test::TemporaryFolder folder;
+  std::set<std::string> read;
+  for (const Family& family : shipped()) {
+    for (const FamilySequence& sequence : family.sequences) {
+      if (!sequence.reference || sequence.reference->format == io::ReferenceFormat::recording) continue;
+      if (!read.insert(family.name + "/" + sequence.variant).second) continue;
+      INFO(family.name << "/" << sequence.name);
+      const io::SensorConfig sensor = sensor_of(sequence);
+      io::ReferenceSpec spec = *sequence.reference;
+      spec.file = folder / "reference.txt";
+      write_reference(spec, io::pose_in_imu(spec, sensor.all_transforms()));
+      const Truth truth = load_truth(spec, &sensor);
+      const auto result = evaluate_against(truth, walk(), truth.options());
+      CHECK(result.ate.translation.n > 190);
+      CHECK(result.ate.translation.rmse < 1e-4);
+      if (!truth.positions_only) CHECK(result.ate.rotation.rmse < 0.01);
+    }
+  }
+  CHECK(read.size() >= 15);
 }
 
 TEST_CASE("every shipped family finds its files where its patterns say") {

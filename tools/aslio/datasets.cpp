@@ -44,8 +44,8 @@ std::vector<std::size_t> column_widths(const std::vector<Row>& rows, std::size_t
   return widths;
 }
 
-std::string table(const std::vector<Row>& rows) {
-  const std::vector<std::size_t> widths = column_widths(rows, line_width());
+std::string table(const std::vector<Row>& rows, std::size_t line_width) {
+  const std::vector<std::size_t> widths = column_widths(rows, line_width);
   std::string text;
   for (const Row& row : rows) {
     std::string line;
@@ -88,7 +88,7 @@ std::string list_text(const std::vector<Family>& families) {
     rows.push_back({family.name, fmt::to_string(family.sequences.size()), family.config.sensors, family.config.title,
                     family.config.licence});
   }
-  return table(rows) + "`aslio datasets NAME` shows the sequences, files and extrinsics of one\n";
+  return table(rows, line_width()) + "`aslio datasets NAME` shows the sequences, files and extrinsics of one\n";
 }
 
 std::string extrinsics_text(const FamilySequence& sequence) {
@@ -165,7 +165,8 @@ std::string sequences_text(const std::vector<const FamilySequence*>& sequences) 
     rows.push_back({sequence->name, sequence->sweeps > 0 ? fmt::to_string(sequence->sweeps) : "-",
                     sequence->variant.empty() ? "-" : sequence->variant, files_text(*sequence)});
   }
-  return table(rows);
+  // Names of files are of use in full only.
+  return table(rows, std::numeric_limits<std::size_t>::max());
 }
 
 std::string family_text(const Family& family) {
