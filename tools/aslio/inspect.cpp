@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
@@ -51,25 +52,24 @@ int inspect(const InspectArguments& a, const CLI::App& app) {
   if (const std::string name = option_without_check(app, a.frames); !name.empty()) {
     throw ConfigError(fmt::format("{} is an option of --check: give that, too, or leave it out", name));
   }
-  std::string path, sensor_file = recording.sensor;
-  if (recording.dataset.empty()) {
-    if (recording.inputs.size() != 1) {
-      throw ConfigError("inspect reads one recording: give PATH, or --dataset; several --input need --check");
-    }
-    path = recording.inputs.front();
-  } else {
+  if (recording.dataset.empty() && recording.inputs.empty()) {
+    throw ConfigError("the recording is missing: give PATH, or --dataset");
+  }
+  std::vector<std::filesystem::path> inputs(recording.inputs.begin(), recording.inputs.end());
+  std::filesystem::path sensor_file = recording.sensor;
+  if (!recording.dataset.empty()) {
     const Recording found = find_recording(recording, app);
-    path = found.inputs.front().string();
-    sensor_file = found.sensor.string();
+    inputs = found.inputs;
+    sensor_file = found.sensor;
   }
   io::SensorConfig sensor;
   if (!sensor_file.empty()) {
     sensor = config::load<io::SensorConfig>(sensor_file, config::FileKind::sensor, load_stages({}).catalog).value;
   }
-  const io::InputReport report = io::inspect(path, sensor);
+  const io::InputReport report = io::inspect(inputs, sensor);
   print(io::render(report));
   if (!a.draft.empty()) write_draft(a, report);
-  if (!report.usable) complain(fmt::format("{}: unusable: {}", path, report.reason));
+  if (!report.usable) complain(fmt::format("{}: unusable: {}", report.name, report.reason));
   return report.usable && report.status == io::InputStatus::complete ? kSuccess : kBadData;
 }
 

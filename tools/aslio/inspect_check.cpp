@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
@@ -57,7 +58,8 @@ experiment::FrameCheckOptions options_of(const FrameCheckArguments& a, const Rec
     throw ConfigError(
         "--reference-set changes a reference, and there is none: give --reference, or a dataset with one");
   }
-  options.published = published(a.extrinsics, stages);
+  if (recording.published) options.published = recording.published->extrinsics;
+  for (auto& extrinsic : published(a.extrinsics, stages)) options.published.push_back(std::move(extrinsic));
   return options;
 }
 

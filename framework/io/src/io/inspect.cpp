@@ -170,14 +170,13 @@ std::uint64_t bytes_of(const std::filesystem::path& path) {
 }
 
 void inspect_messages(MessageReader& reader, const SensorConfig& sensor, InputReport& report) {
-  const std::string path = report.path.string();
   report.kind = reader.kind();
   std::map<std::string, std::unique_ptr<TopicProbe>> probes;  // several connections may share a topic
   std::map<std::uint32_t, TopicProbe*> by_id;
   std::vector<std::uint32_t> all;
   for (const Connection& c : reader.connections()) {
     auto& probe = probes[c.topic + '\0' + c.type + '\0' + c.md5];
-    if (!probe) probe = std::make_unique<TopicProbe>(c, sensor, fmt::format("{}: {}", path, c.topic));
+    if (!probe) probe = std::make_unique<TopicProbe>(c, sensor, fmt::format("{}: {}", report.name, c.topic));
     by_id[c.id] = probe.get();
     probe->add_connection(c.id);
     all.push_back(c.id);
@@ -205,14 +204,18 @@ std::string cell(double value, int decimals) { return value == 0 ? "-" : fmt::fo
 }  // namespace
 
 InputReport inspect(const std::filesystem::path& path, const SensorConfig& sensor) {
+  return inspect(std::vector{path}, sensor);
+}
+
+InputReport inspect(const std::vector<std::filesystem::path>& inputs, const SensorConfig& sensor) {
   InputReport report;
-  report.path = path;
-  const bool folder = is_folder_of_scans(path);
-  const auto reader = folder ? open_folder(path, sensor) : packets::open_with_packets({&path, 1}, sensor);
-  if (!folder) report.bytes = bytes_of(path);
+  for (const auto& input : inputs) report.name += (report.name.empty() ? "" : ", ") + input.string();
+  const bool folder = inputs.size() == 1 && is_folder_of_scans(inputs.front());
+  const auto reader = folder ? open_folder(inputs.front(), sensor) : packets::open_with_packets(inputs, sensor);
+  for (const auto& input : inputs) report.bytes += folder ? 0 : bytes_of(input);
   inspect_messages(*reader, sensor, report);
   try {
-    open_source(path, sensor);
+    open_source(inputs, sensor);
     report.usable = true;
   } catch (const DataError& error) {
     report.reason = error.what();
@@ -222,7 +225,7 @@ InputReport inspect(const std::filesystem::path& path, const SensorConfig& senso
 
 std::string render(const InputReport& report) {
   std::string text =
-      fmt::format("{}: {}, {:.3f} s{}{}\n", report.path.string(), report.kind, report.duration(),
+      fmt::format("{}: {}, {:.3f} s{}{}\n", report.name, report.kind, report.duration(),
                   report.bytes > 0 ? fmt::format(", {:.1f} MB", 1e-6 * static_cast<double>(report.bytes)) : "",
                   report.status == InputStatus::truncated ? ", TRUNCATED" : "");
   std::size_t wide = 5, wide_type = 4;

@@ -15,12 +15,12 @@ const TopicReport& only_one(const InputReport& report, TopicRole role, const cha
     if (found != nullptr) {
       throw DataError(
           fmt::format("{}: it has several {} topics, {} and {}: name one in a sensor file and give it by --sensor",
-                      report.path.string(), name, found->topic, topic.topic));
+                      report.name, name, found->topic, topic.topic));
     }
     found = &topic;
   }
   if (found == nullptr)
-    throw DataError(fmt::format("{}: it has no {} topic that can be used", report.path.string(), name));
+    throw DataError(fmt::format("{}: it has no {} topic that can be used", report.name, name));
   return *found;
 }
 
@@ -51,7 +51,7 @@ std::string draft_sensor(const InputReport& report) {
       "T_imu_lidar:\n"
       "  translation: [0, 0, 0]  # m, origin of the LiDAR in the IMU frame\n"
       "  rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1]  # row by row\n",
-      report.path.filename().string(), quoted(lidar.topic), quoted(imu.topic), imu.acc_unit, imu.gyro_unit, period,
+      std::filesystem::path(report.name).filename().string(), quoted(lidar.topic), quoted(imu.topic), imu.acc_unit, imu.gyro_unit, period,
       std::max(lidar.lines, 1));
 }
 

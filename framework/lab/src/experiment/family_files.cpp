@@ -110,6 +110,7 @@ Dataset dataset_of(const Family& family, const FamilySequence& sequence, const f
                        .sequence = sequence.name,
                        .data = data,
                        .extrinsic_source = sequence.extrinsics.front().source,
+                       .extrinsics = sequence.extrinsics,
                        .sweeps = sequence.sweeps,
                        .imu_samples = sequence.imu_samples};
   dataset.resolved = identity_text(family, sequence);

@@ -33,7 +33,7 @@ struct TopicReport {
 };
 
 struct InputReport {
-  std::filesystem::path path;
+  std::string name;  ///< path, or several with commas between them
   std::string kind;  ///< "ROS1 bag", "KITTI raw drive", ..
   std::uint64_t bytes = 0;
   TimeNs begin = 0, end = 0;  ///< record time of a bag, data time of a folder
@@ -49,6 +49,8 @@ struct InputReport {
 /// Reads the whole input once. With a sensor file, judges as a run with it would; without, by what is found. Throws
 /// DataError when it is no known kind of input, or damaged.
 InputReport inspect(const std::filesystem::path& path, const SensorConfig& sensor = {});
+/// Several recordings of messages as one, as open_source() takes them. Pre: one at least.
+InputReport inspect(const std::vector<std::filesystem::path>& inputs, const SensorConfig& sensor = {});
 
 /// Aligned text of many lines, for people.
 std::string render(const InputReport& report);

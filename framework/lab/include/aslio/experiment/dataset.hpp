@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "aslio/experiment/published_extrinsic.hpp"
 #include "aslio/io/reference.hpp"
 #include "aslio/io/source.hpp"
 
@@ -34,9 +35,10 @@ struct DatasetConfig {
 /// The sequence of a published data set that a recording is.
 struct PublishedSequence {
   std::string family, sequence;
-  std::filesystem::path data;                ///< folder of the user
-  std::string extrinsic_source;              ///< of the sensor file's T_imu_lidar; empty: not known
-  std::int64_t sweeps = 0, imu_samples = 0;  ///< published; 0: not known
+  std::filesystem::path data;                  ///< folder of the user
+  std::string extrinsic_source;                ///< of the sensor file's T_imu_lidar; empty: not known
+  std::vector<PublishedExtrinsic> extrinsics;  ///< all that are published; the first one is that of the sensor file
+  std::int64_t sweeps = 0, imu_samples = 0;    ///< published; 0: not known
 };
 
 /// A dataset file or a sequence of a family, with its paths resolved; everything it names exists.
