@@ -43,9 +43,11 @@ experiment::FrameCheckOptions options_of(const FrameCheckArguments& a, const Rec
     // The motion within a window is taken for uniform, and that of a gait is not over a whole sweep. A third of a sweep
     // of a spinning sensor sees one side only.
     constexpr int kLinesOfLivox = 6;
-    if (options.motion.sensor.model.scan_lines <= kLinesOfLivox) {
-      options.motion.overrides = {"window.period=0.033", "window.cut=time"};
-    }
+    const auto& model = options.motion.sensor.model;
+    const bool livox = model.scan_lines <= kLinesOfLivox;
+    const double period = model.sweep_period / (livox ? 3 : 2);
+    options.motion.overrides = {fmt::format("window.period={:.3f}", period), "window.cut=time"};
+    options.slow_overrides.emplace();
   }
   options.motion.inputs = recording.inputs;
   options.motion.section = recording.section;

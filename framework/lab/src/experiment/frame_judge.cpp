@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "aslio/core/angles.hpp"
 #include "aslio/experiment/frame_check.hpp"
@@ -18,7 +19,8 @@ constexpr double kPoseAxes = 0.03 * kRadPerDeg;  // of poses: registration leans
 // sweeps leans with the swing of the sensor.
 constexpr double kForceFloor = 0.004, kLidarForceFloor = 0.015, kPoseFloor = 0.002;
 constexpr double kTurnTolerated = 0.2 * kRadPerDeg, kShiftTolerated = 0.005;
-constexpr double kDelayFloor = 0.0003, kDelayTolerated = 0.003;      // [s]: filters of an IMU delay it by 2 ms
+constexpr double kDelayFloor = 0.0003, kDelayTolerated = 0.003;  // [s]: filters of an IMU delay it by 2 ms
+constexpr double kDelayRate = 50;  // [Hz] of an IMU that can tell a delay: below, its turns are drawn between samples
 constexpr double kPointFloor = 0.005, kPointTolerated = 0.01;        // [m] of a reference point
 constexpr double kPointDelayTolerated = 0.01;                        // [s] of its positions
 constexpr double kStampTolerated = 0.008;                            // [s] of a whole or half sweep
@@ -177,6 +179,13 @@ class Judge {
     }
   }
 
+  /// [Hz], infinite where there are no samples to count.
+  double imu_rate() const {
+    const auto& imu = m_.motion.imu;
+    return imu.size() < 2 ? std::numeric_limits<double>::infinity()
+                          : static_cast<double>(imu.size() - 1) / to_seconds(imu.back().t - imu.front().t);
+  }
+
   void judge_clocks() {
     const auto& fit = m_.gyro_lidar;
     if (!fit.problem.empty()) return;
@@ -185,6 +194,11 @@ class Judge {
     if (std::abs(d) < kDelayTolerated || std::abs(d) < 3 * sigma) {
       return say(FindingKind::agrees, "LiDAR and IMU clocks",
                  fmt::format("the LiDAR's times are late by {}; filters of an IMU look the same", value));
+    }
+    if (imu_rate() < kDelayRate) {
+      return say(
+          FindingKind::undetermined, "LiDAR and IMU clocks",
+          fmt::format("the LiDAR's times would be late by {}; an IMU of {:.1f} Hz cannot tell", value, imu_rate()));
     }
     if (name_stamp(d, sigma, value)) return;
     const bool reference_knows = m_.has_reference && m_.gyro_reference.problem.empty() && m_.gyro_reference.turns > 0;

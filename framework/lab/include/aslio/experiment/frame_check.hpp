@@ -78,6 +78,9 @@ struct FrameCheck {
 
 struct FrameCheckOptions {
   LidarMotionOptions motion;
+  /// In place of those of `motion`, where with them the turns of the LiDAR do not follow a gyro that turns slowly, as
+  /// on a car: longer windows then see more, and the motion within them is uniform.
+  std::optional<std::vector<std::string>> slow_overrides;
   std::optional<io::ReferenceSpec> reference;
   std::vector<PublishedExtrinsic> published;
 };
