@@ -115,7 +115,7 @@ TEST_CASE("a sequence with other counts than published is reported at the end of
   CHECK_THAT(bench.run(walk, {"--duration", "1"}).err, !Contains("as published"));
 }
 
-TEST_CASE("--data goes with FAMILY/SEQUENCE, and the other way round") {
+TEST_CASE("the option --data goes with FAMILY/SEQUENCE, and the other way round") {
   const FamilyBench bench;
   const auto refusal = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"run", bench / "pipeline.yaml", "--output", bench / "out"};

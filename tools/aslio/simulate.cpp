@@ -260,7 +260,7 @@ Command add_simulate(CLI::App& root) {
       "Writes <scene>.bag (or .mcap, or a folder <scene>), truth.tum, truth.csv, overlap.csv, sensor.yaml, scene.yaml, "
       "preview.svg and, last, "
       "dataset.yaml, which `aslio run --dataset` takes.\n\n"
-      "Examples:\n"
+      "Example:\n"
       "  aslio simulate configs/scenes/indoor_1.yaml --output out/indoor_1 --seed 7 --set people.walking=0\n"
       "  aslio simulate configs/scenes/outdoor_1.yaml --as newer_college_2021/quad_easy --output "
       "out/newer_college_2021");
