@@ -19,8 +19,7 @@ const TopicReport& only_one(const InputReport& report, TopicRole role, const cha
     }
     found = &topic;
   }
-  if (found == nullptr)
-    throw DataError(fmt::format("{}: it has no {} topic that can be used", report.name, name));
+  if (found == nullptr) throw DataError(fmt::format("{}: it has no {} topic that can be used", report.name, name));
   return *found;
 }
 
@@ -51,8 +50,8 @@ std::string draft_sensor(const InputReport& report) {
       "T_imu_lidar:\n"
       "  translation: [0, 0, 0]  # m, origin of the LiDAR in the IMU frame\n"
       "  rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1]  # row by row\n",
-      std::filesystem::path(report.name).filename().string(), quoted(lidar.topic), quoted(imu.topic), imu.acc_unit, imu.gyro_unit, period,
-      std::max(lidar.lines, 1));
+      std::filesystem::path(report.name).filename().string(), quoted(lidar.topic), quoted(imu.topic), imu.acc_unit,
+      imu.gyro_unit, period, std::max(lidar.lines, 1));
 }
 
 }  // namespace aslio::io

@@ -65,12 +65,8 @@ Json json_of(const evaluation::HandEye& fit) {
 
 Json json_of(const evaluation::PointFit& fit) {
   if (!fit.problem.empty()) return {{"problem", fit.problem}};
-  return {{"pieces", fit.pieces},
-          {"point_m", list_of(fit.point)},
-          {"sigma_point_m", sigmas_of(fit.covariance)},
-          {"delay_s", fit.delay},
-          {"sigma_delay_s", fit.sigma_delay},
-          {"rms_m", fit.rms}};
+  return {{"pieces", fit.pieces}, {"point_m", list_of(fit.point)},    {"sigma_point_m", sigmas_of(fit.covariance)},
+          {"delay_s", fit.delay}, {"sigma_delay_s", fit.sigma_delay}, {"rms_m", fit.rms}};
 }
 
 Json json_of(const evaluation::ForceFit& fit) {
