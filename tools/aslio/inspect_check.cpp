@@ -51,15 +51,7 @@ experiment::FrameCheckOptions options_of(const FrameCheckArguments& a, const Rec
   }
   options.motion.inputs = recording.inputs;
   options.motion.section = recording.section;
-  options.reference = recording.reference;
-  if (!a.reference.empty()) {
-    options.reference = io::load_reference_spec(a.reference, a.reference_sets);
-  } else if (options.reference) {
-    options.reference = io::with_overrides(*options.reference, a.reference_sets);
-  } else if (!a.reference_sets.empty()) {
-    throw ConfigError(
-        "--reference-set changes a reference, and there is none: give --reference, or a dataset with one");
-  }
+  options.reference = chosen_reference(recording.reference, a.reference, a.reference_sets);
   if (recording.published) options.published = recording.published->extrinsics;
   for (auto& extrinsic : published(a.extrinsics, stages)) options.published.push_back(std::move(extrinsic));
   return options;

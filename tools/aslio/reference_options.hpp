@@ -1,8 +1,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "aslio/core/errors.hpp"
+#include "aslio/io/reference.hpp"
 
 namespace aslio::cli {
 
@@ -18,6 +22,16 @@ inline CLI::Option* add_reference_options(CLI::App& app, std::string& path, std:
                   "the truth to measure the error against: trajectory (TUM, EuRoC, KITTI), table, recording, or "
                   "reference file (schema: aslio/reference/1)")
       ->check(CLI::ExistingPath);
+}
+
+/// What the two options make of the reference of a dataset, if it has one. Throws ConfigError for sets without any.
+inline std::optional<io::ReferenceSpec> chosen_reference(std::optional<io::ReferenceSpec> of_dataset,
+                                                         const std::string& path,
+                                                         const std::vector<std::string>& sets) {
+  if (!path.empty()) return io::load_reference_spec(path, sets);
+  if (of_dataset) return io::with_overrides(*of_dataset, sets);
+  if (sets.empty()) return std::nullopt;
+  throw ConfigError("--reference-set changes a reference, and there is none: give --reference, or a dataset with one");
 }
 
 }  // namespace aslio::cli

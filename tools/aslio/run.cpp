@@ -116,17 +116,9 @@ experiment::RunOptions options_of(const RunArguments& a, const Stages& stages, c
   options.sensor = recording.sensor;
   options.dataset = recording.dataset;
   options.published = recording.published;
-  options.reference = recording.reference;
+  options.reference = chosen_reference(recording.reference, a.reference, a.reference_sets);
   options.section = recording.section;
   options.closed_loop = recording.closed_loop || a.closed_loop;
-  if (!a.reference.empty()) {
-    options.reference = io::load_reference_spec(a.reference, a.reference_sets);
-  } else if (options.reference) {
-    options.reference = io::with_overrides(*options.reference, a.reference_sets);
-  } else if (!a.reference_sets.empty()) {
-    throw ConfigError(
-        "--reference-set changes a reference, and there is none: give --reference, or a dataset with one");
-  }
   options.pipeline = a.pipeline;
   options.overrides = a.overrides;
   options.output = a.output;

@@ -66,8 +66,6 @@ struct LidarLayout {
   PointOrigin point_time = PointOrigin::form;
   TimeUnit name_unit = TimeUnit::ns;  ///< of the stamps in the names of scans
   double time_offset = 0;             ///< of the sensor's clock: added to all its times [s]
-
-  static void describe(config::Binder& b, LidarLayout& layout);
 };
 
 struct ImuLayout {
@@ -82,8 +80,6 @@ struct ImuLayout {
   std::vector<std::string> columns = {"t", "wx", "wy", "wz", "ax", "ay", "az"};
   bool header = false;                ///< a line with the names of the columns
   TimeUnit time_unit = TimeUnit::ns;  ///< of the column t
-
-  static void describe(config::Binder& b, ImuLayout& layout);
 };
 
 enum class ReferenceFile : std::uint8_t {
@@ -107,8 +103,6 @@ struct ReferenceLayout {
   TransformBlock T_imu_reference;       ///< pose of the frame of the reference in the IMU frame
   double time_offset = 0;               ///< added to its stamps [s]
   std::vector<double> origin{0, 0, 0};  ///< where the world of the simulation lies in that of the reference [m]
-
-  static void describe(config::Binder& b, ReferenceLayout& layout);
 };
 
 struct Layout {
@@ -126,7 +120,6 @@ struct Layout {
   ReferenceLayout reference;
 
   bool of_messages() const { return container != Container::folder && container != Container::kitti; }
-  static void describe(config::Binder& b, Layout& layout);
 };
 
 }  // namespace aslio::io
