@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "aslio/core/sha256.hpp"
+#include "aslio/io/source.hpp"
 #include "aslio/io/writers.hpp"
 #include "recordings/unpacked.hpp"
 #include "register_all.hpp"
@@ -16,6 +17,8 @@ namespace aslio::test {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr io::Section kPart{.start = 0, .duration = 5.0};
 
 class Unwatched final : public experiment::RunMonitor {
  public:
@@ -61,7 +64,7 @@ std::vector<UpdateCost> read_costs(const fs::path& csv) {
 
 RecordedRun run(const std::string& pipeline, int threads, const fs::path& input, const char* sensor,
                 const fs::path& reference, const std::vector<std::string>& overrides = {}, std::uint64_t order_seed = 0,
-                double start_s = 0) {
+                const io::Section& section = {}) {
   const fs::path configs = fs::path(ASLIO_SOURCE_DIR) / "configs";
   // Tests of one folder may run at once.
   const fs::path output =
@@ -75,7 +78,7 @@ RecordedRun run(const std::string& pipeline, int threads, const fs::path& input,
   options.reference = reference;
   options.overrides = overrides;
   options.order_seed = order_seed;
-  options.section.start = start_s;
+  options.section = section;
   options.closed_loop = true;
   plugin::Catalog catalog;
   plugins::register_all(catalog);
@@ -105,7 +108,24 @@ RecordedRun run_on_kitti(const std::string& pipeline, int threads, const std::st
 
 RecordedRun run_on_moving_kitti(const std::string& pipeline, double start_s) {
   return run(pipeline, 1, unpacked_kitti("0013"), "kitti_hdl64.yaml", recorded("reference/kitti_0013/oxts.tum"), {}, 0,
-             start_s);
+             {.start = start_s, .duration = {}});
+}
+
+bool same_bits_on_avia(const std::string& pipeline) {
+  const auto digest = [&](int threads) {
+    return run(pipeline, threads, unpacked_avia(), "livox_avia.yaml", recorded("avia_corridor.gt.tum"), {}, 0, kPart)
+        .trajectory_sha256;
+  };
+  return digest(1) == digest(2);
+}
+
+bool same_bits_on_kitti(const std::string& pipeline) {
+  const auto digest = [&](int threads) {
+    return run(pipeline, threads, unpacked_kitti(), "kitti_hdl64.yaml", recorded("reference/kitti_0005/fast_lio2.tum"),
+               {}, 0, kPart)
+        .trajectory_sha256;
+  };
+  return digest(1) == digest(2);
 }
 
 }  // namespace aslio::test

@@ -35,4 +35,9 @@ RecordedRun run_on_kitti(const std::string& pipeline, int threads = 1,
 /// The first 60 scans of drive 0013, a car at 11 m/s from the first sample on, against OXTS (good to 0.15 to 0.3 m).
 RecordedRun run_on_moving_kitti(const std::string& pipeline, double start_s = 0);
 
+/// A run of the first 5 s with two threads has the bits of one with a single thread. Where threads make a difference,
+/// every update carries it on: a part shows it as well as the whole.
+bool same_bits_on_avia(const std::string& pipeline);
+bool same_bits_on_kitti(const std::string& pipeline);
+
 }  // namespace aslio::test
