@@ -33,6 +33,7 @@ Command add_calibrate(CLI::App& root);
 Command add_overlap(CLI::App& root);
 Command add_simulate(CLI::App& root);
 Command add_experiment(CLI::App& root);
+Command add_external(CLI::App& root, const std::vector<std::string>& command_line);
 Command add_status(CLI::App& root);
 Command add_compare(CLI::App& root);
 Command add_report(CLI::App& root);

@@ -8,6 +8,7 @@
 #include "aslio/config/description.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/external_method.hpp"
 #include "aslio/experiment/family.hpp"
 #include "aslio/experiment/study.hpp"
 #include "aslio/io/reference.hpp"
@@ -86,13 +87,14 @@ struct File {
   std::string_view kind;
   std::vector<Part> (*parts)();
 };
-constexpr std::array<File, 7> kFiles = {{{"pipeline", parts_of<pipeline::PipelineConfig>},
+constexpr std::array<File, 8> kFiles = {{{"pipeline", parts_of<pipeline::PipelineConfig>},
                                          {"sensor", parts_of<io::SensorConfig>},
                                          {"dataset", parts_of<experiment::DatasetConfig>},
                                          {"family", parts_of<experiment::FamilyConfig>},
                                          {"reference", parts_of<io::ReferenceSpec>},
                                          {"scene", scene_parts},
-                                         {"study", parts_of<experiment::StudyConfig>}}};
+                                         {"study", parts_of<experiment::StudyConfig>},
+                                         {"external", parts_of<experiment::ExternalMethod>}}};
 
 std::string describe_file(const plugin::Catalog& catalog, const File& file, bool markdown) {
   std::string text = markdown
@@ -128,11 +130,11 @@ int describe(const DescribeArguments& a) {
   }
   const std::size_t slash = a.what.find('/');
   if (a.markdown || slash == std::string::npos) {
-    throw ConfigError(
-        fmt::format("'{}' is unknown: name a stage as FAMILY/TYPE (windows/fixed; `aslio list` shows all), a family, a "
-                    "file ('pipeline', 'sensor', 'dataset', 'family', 'reference', 'scene' or 'study'), or --markdown "
-                    "for all stages",
-                    a.what));
+    throw ConfigError(fmt::format(
+        "'{}' is unknown: name a stage as FAMILY/TYPE (windows/fixed; `aslio list` shows all), a family, a "
+        "file ('pipeline', 'sensor', 'dataset', 'family', 'reference', 'scene', 'study' or 'external'), or --markdown "
+        "for all stages",
+        a.what));
   }
   print(config::describe_stage(stages.catalog, a.what.substr(0, slash), a.what.substr(slash + 1)));
   return kSuccess;
@@ -144,9 +146,9 @@ Command add_describe(CLI::App& root) {
   CLI::App* app = root.add_subcommand(
       "describe", "Prints the parameters of a stage, or the keys of a file: unit, range, default, meaning.");
   auto arguments = std::make_shared<DescribeArguments>();
-  app->add_option(
-      "FAMILY/TYPE", arguments->what,
-      "the stage, a family of stages, or the file: pipeline, sensor, dataset, family, reference, scene, study");
+  app->add_option("FAMILY/TYPE", arguments->what,
+                  "the stage, a family of stages, or the file: pipeline, sensor, dataset, family, reference, scene, "
+                  "study, external");
   app->add_flag("--markdown", arguments->markdown, "as Markdown: the keys of a file, or of all stages");
   add_plugin_option(*app, arguments->plugins);
   app->footer("Example:\n  aslio describe windows/sod_adaptive\n  aslio describe scene");

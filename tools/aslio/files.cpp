@@ -10,6 +10,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/dataset.hpp"
+#include "aslio/experiment/external_method.hpp"
 #include "aslio/experiment/family.hpp"
 #include "aslio/experiment/study.hpp"
 #include "aslio/io/reference.hpp"
@@ -64,6 +65,8 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
       return {kind, checked_family(file, stages)};
     case config::FileKind::reference:
       return {kind, io::resolved_text(io::load_reference_spec(file))};
+    case config::FileKind::external:
+      return {kind, experiment::resolved_text(experiment::load_external_method(file))};
     case config::FileKind::scene:
       require_scene_files(file, {});
       return {kind, simulator::load_scene(file).resolved};

@@ -37,6 +37,7 @@ std::vector<Command> add_commands(CLI::App& root, const std::vector<std::string>
           add_calibrate(root),
           add_overlap(root),
           add_experiment(root),
+          add_external(root, command_line),
           add_report(root),
           add_status(root),
           add_compare(root),

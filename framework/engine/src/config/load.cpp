@@ -14,8 +14,8 @@
 namespace aslio::config {
 namespace {
 
-constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor,    FileKind::scene, FileKind::dataset,
-                            FileKind::study,    FileKind::reference, FileKind::family};
+constexpr std::array kKinds{FileKind::pipeline, FileKind::sensor,    FileKind::scene,  FileKind::dataset,
+                            FileKind::study,    FileKind::reference, FileKind::family, FileKind::external};
 
 std::string schema_of(FileKind kind) { return "aslio/" + std::string(name(kind)) + "/1"; }
 
@@ -100,6 +100,8 @@ std::string_view name(FileKind kind) {
       return "reference";
     case FileKind::family:
       return "family";
+    case FileKind::external:
+      return "external";
   }
   return {};
 }

@@ -106,7 +106,7 @@ void StudyDataConfig::describe(config::Binder& b, StudyDataConfig& data) {
 
 void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
   b.text("name", method.name, "what tables call the method, and its folder; required");
-  b.text("pipeline", method.pipeline, "pipeline file; required");
+  b.text("pipeline", method.pipeline, "pipeline file; this, `command` or `trajectory` is required");
   b.text("label", method.label,
          "what the report and its LaTeX call the method, as in AS-LIO+; with `vary` the values follow it; empty: its "
          "name");
@@ -118,7 +118,13 @@ void StudyMethodConfig::describe(config::Binder& b, StudyMethodConfig& method) {
           "keys, blocks or globs (`*.sigma`) in which the method may differ from the baseline, besides those of `set`; "
           "nothing else may");
   b.require(!method.name.empty(), "name", "is required");
-  b.require(!method.pipeline.empty(), "pipeline", "is required: name a pipeline file");
+  ExternalMethod::describe_keys(b, method.external);
+  const bool external = method.external.given();
+  b.require(!method.pipeline.empty() || external, "pipeline",
+            "is required: name a pipeline file, give the `command` of a program, or a finished `trajectory`");
+  b.require(method.pipeline.empty() || !external, "pipeline",
+            "and `command` or `trajectory` exclude each other: a method is of one kind");
+  b.require(!external || method.set.is_null(), "set", "changes a pipeline; a program takes words of its `command`");
   b.require(method.set.is_null() || method.set.is_map(), "set",
             "must be a block of dotted paths and values, as in {window.period: 0.05}");
 }

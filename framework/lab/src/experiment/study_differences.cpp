@@ -1,10 +1,14 @@
 // What two methods differ in, and whether the study names it.
 #include "study_differences.hpp"
 
+#include <fmt/format.h>
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "aslio/config/diff.hpp"
 #include "aslio/config/document.hpp"
@@ -55,8 +59,7 @@ void append_value_paths(const config::Node& node, const std::string& path, std::
   for (std::size_t i = 0; i < node.items().size(); ++i) append(std::to_string(i), node.items()[i]);
 }
 
-}  // namespace
-
+/// Of `names`, those that no pipeline has, each with the key or block that was probably meant (empty: nothing is near).
 std::map<std::string, std::string> strange_keys(const std::vector<StudyMethod>& methods,
                                                 const std::vector<std::string>& names) {
   std::set<std::string> left(names.begin(), names.end()), paths;
@@ -74,7 +77,37 @@ std::map<std::string, std::string> strange_keys(const std::vector<StudyMethod>& 
   return out;
 }
 
+}  // namespace
+
+void require_known_differences(const Study& study, const config::Node& root, config::Problems& problems) {
+  std::vector<std::string> names;
+  std::vector<config::Location> places;
+  const auto add = [&](const config::Node& block, const std::vector<std::string>& written) {
+    const config::Member* list = block.find("differs");
+    for (std::size_t k = 0; k < written.size(); ++k) {
+      const bool in_list = list != nullptr && k < list->value.items().size();
+      places.push_back(in_list ? list->value.items()[k].at() : list != nullptr ? list->value.at() : block.at());
+      names.push_back(written[k]);
+    }
+  };
+  add(root, study.config.differs);
+  const config::Member* methods = root.find("methods");
+  for (std::size_t i = 0; methods != nullptr && i < study.config.methods.size(); ++i) {
+    add(methods->value.items()[i], study.config.methods[i].differs);
+  }
+  const auto strange = strange_keys(study.methods, names);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto found = strange.find(names[i]);
+    if (found == strange.end()) continue;
+    const std::string& near = found->second;
+    problems.add(places[i], fmt::format("'differs' names '{}', which no pipeline of the study has{}; give a key or "
+                                        "a block, as in estimator.sigma or window",
+                                        names[i], near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near)));
+  }
+}
+
 std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMethod& baseline) {
+  if (method.external || baseline.external) return {"program"};
   std::vector<std::string> keys;
   for (const config::Difference& difference : config::diff(baseline.resolved, method.resolved)) {
     keys.push_back(difference.path);
@@ -83,6 +116,7 @@ std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMe
 }
 
 std::vector<std::string> unnamed_keys(const StudyMethod& method, const StudyMethod& baseline) {
+  if (method.external || baseline.external) return {};  // a program of others differs in all
   std::vector<std::string> named, out;
   append_keys(method, named);
   append_keys(baseline, named);

@@ -1,17 +1,14 @@
 #pragma once
 /// Whether `differs` of a study names what there is.
 
-#include <map>
-#include <string>
-#include <vector>
-
+#include "aslio/config/node.hpp"
+#include "aslio/config/problems.hpp"
 #include "aslio/experiment/study.hpp"
 
 namespace aslio::experiment {
 
-/// Of `names`, those that are neither a key nor a block of any method's resolved pipeline, each with the key or block
-/// that was probably meant (empty: nothing is near).
-std::map<std::string, std::string> strange_keys(const std::vector<StudyMethod>& methods,
-                                                const std::vector<std::string>& names);
+/// Adds a problem for each name in `differs`, of the study or of a method, that is neither a key nor a block of any
+/// method's resolved pipeline: it would excuse nothing, and tables would tell it as what is compared. `root`: the file.
+void require_known_differences(const Study& study, const config::Node& root, config::Problems& problems);
 
 }  // namespace aslio::experiment

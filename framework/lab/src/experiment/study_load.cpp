@@ -77,7 +77,7 @@ class Reader {
     const bool all_resolved = problems_.size() == 0;
     find_baselines();
     check_rules();
-    if (all_resolved) check_differs();
+    if (all_resolved) require_known_differences(study_, root_, problems_);
     problems_.raise();
     return std::move(study_);
   }
@@ -267,7 +267,8 @@ class Reader {
   void lay_out_methods() {
     for (std::size_t i = 0; i < study_.config.methods.size(); ++i) {
       const StudyMethodConfig& config = study_.config.methods[i];
-      if (config.name.empty() || config.pipeline.empty()) continue;  // which has been noted
+      if (config.name.empty() || (config.pipeline.empty() && !config.external.given()))
+        continue;  // which has been noted
       if (!valid_name(config.name)) {
         problems_.add(place("methods", i, "name"), fmt::format("'{}' {}", config.name, kNameRule));
         continue;
@@ -295,7 +296,11 @@ class Reader {
                   const std::vector<std::size_t>& at_axes) {
     StudyMethod method;
     method.name = method.base = config.name;
-    method.pipeline = at(config.pipeline);
+    if (config.external.given()) {
+      method.external = placed_in(config.external, folder_);
+    } else {
+      method.pipeline = at(config.pipeline);
+    }
     method.differs = config.differs;
     method.differs.insert(method.differs.end(), study_.config.differs.begin(), study_.config.differs.end());
     method.entry = index;
@@ -340,8 +345,21 @@ class Reader {
     }
   }
 
+  /// False: it varies along an axis, which has been noted.
+  bool resolve_external(StudyMethod& method, std::size_t index) {
+    if (!wrong_keys_.empty()) return false;  // its own may be among them
+    method.resolved = resolved_text(*method.external);
+    if (method.set.empty()) return true;
+    problems_.add(place("methods", index, "name"),
+                  fmt::format("method '{}': `vary` changes pipelines, and this is another program: give the axis "
+                              "`methods: [..]` without it",
+                              method.base));
+    return false;
+  }
+
   /// False: the pipeline with its overrides is wrong, which has been noted.
   bool resolve(StudyMethod& method, std::size_t index) {
+    if (method.external) return resolve_external(method, index);
     std::vector<config::Override> overrides;
     for (const std::string& assignment : method.set) overrides.push_back({assignment});
     try {
@@ -438,34 +456,6 @@ class Reader {
                       [this](std::size_t rule, std::string_view key, const std::string& message) {
                         problems_.add(place("expectation", rule, key), fmt::format("'{}': {}", key, message));
                       });
-  }
-
-  /// A name that is mistyped would excuse nothing, and tables would tell it as what is compared.
-  void check_differs() {
-    std::vector<std::string> names;
-    std::vector<Location> places;
-    const auto add = [&](const Node& block, const std::vector<std::string>& written) {
-      const config::Member* list = block.find("differs");
-      for (std::size_t k = 0; k < written.size(); ++k) {
-        const bool in_list = list != nullptr && k < list->value.items().size();
-        places.push_back(in_list ? list->value.items()[k].at() : list != nullptr ? list->value.at() : block.at());
-        names.push_back(written[k]);
-      }
-    };
-    add(root_, study_.config.differs);
-    const config::Member* methods = root_.find("methods");
-    for (std::size_t i = 0; methods != nullptr && i < study_.config.methods.size(); ++i) {
-      add(methods->value.items()[i], study_.config.methods[i].differs);
-    }
-    const auto strange = strange_keys(study_.methods, names);
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto found = strange.find(names[i]);
-      if (found == strange.end()) continue;
-      const std::string& near = found->second;
-      problems_.add(places[i], fmt::format("'differs' names '{}', which no pipeline of the study has{}; give a key or "
-                                           "a block, as in estimator.sigma or window",
-                                           names[i], near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near)));
-    }
   }
 
   /// A comparison is fair where the study says what is compared.

@@ -52,6 +52,21 @@ void append_paths(const config::Node& node, std::vector<std::string>& paths) {
 
 bool matches(const std::string& glob, const std::string& text) { return ::fnmatch(glob.c_str(), text.c_str(), 0) == 0; }
 
+/// By this program, which measures the run, and by the files of the other one.
+std::string external_key(const Study& study, const StudyRun& run, std::string_view program) {
+  const StudyMethod& method = study.methods[run.method];
+  const StudyData& data = study.data[run.data];
+  std::string text = fmt::format("aslio external\n{}\n{}\norder seed {}\n{}\n", program, data.identity, run.order_seed,
+                                 method.resolved);
+  ExternalPlaces places;
+  places.data = data.name;
+  places.sequence = data.sequence;
+  places.seed = fmt::to_string(run.order_seed);
+  for (const std::filesystem::path& file : files_of(*method.external, places))
+    text += "file " + sha256_of_file(file) + "\n";
+  return sha256_of(text);
+}
+
 }  // namespace
 
 std::string run_folder(const std::string& method, std::uint64_t order_seed) {
@@ -78,6 +93,7 @@ void require_unchanged(const Study& study, const std::vector<std::filesystem::pa
 std::string run_key(const Study& study, const std::vector<StudyRun>& runs, const StudyRun& run,
                     std::string_view program, const std::filesystem::path& runs_folder) {
   const StudyMethod& method = study.methods[run.method];
+  if (method.external) return external_key(study, run, program);
   std::string text = fmt::format("aslio run\n{}\n{}\norder seed {}\n{}\n", program, study.data[run.data].identity,
                                  run.order_seed, method.resolved);
   // Where a run reads files of other runs, their keys stand for those: a change there is a change here.

@@ -9,7 +9,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <fstream>
 #include <system_error>
 
@@ -21,13 +23,42 @@ namespace {
 
 constexpr double kTimeToEnd = 3;  ///< from the time limit to the end of one that does not end by itself [s]
 
-/// Resident memory [MB]; 0 when the process is gone.
-double resident_mb(pid_t id) {
-  std::ifstream statm(fmt::format("/proc/{}/statm", id));
-  double size = 0, resident = 0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) * 1e-6;
+/// The processes that this one has started and that are still there, and theirs.
+void append_descendants(pid_t id, std::vector<pid_t>& found) {
+  std::error_code error;
+  const std::filesystem::path tasks = fmt::format("/proc/{}/task", id);
+  for (auto at = std::filesystem::directory_iterator(tasks, error);
+       !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
+    std::ifstream children(at->path() / "children");
+    for (pid_t child = 0; children >> child;) {
+      found.push_back(child);
+      append_descendants(child, found);
+    }
+  }
 }
+
+std::vector<pid_t> family_of(pid_t id) {
+  std::vector<pid_t> all{id};
+  append_descendants(id, all);
+  return all;
+}
+
+/// Resident memory [MB], now and at most; 0 when the process is gone.
+struct Resident {
+  double now_mb = 0, peak_mb = 0;
+};
+
+Resident resident_of(pid_t id) {
+  Resident out;
+  std::ifstream status(fmt::format("/proc/{}/status", id));
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) out.peak_mb = std::strtod(line.c_str() + 6, nullptr) * 1024e-6;
+    if (line.starts_with("VmRSS:")) out.now_mb = std::strtod(line.c_str() + 6, nullptr) * 1024e-6;
+  }
+  return out;
+}
+
+double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
 
 bool redirect(const char* path, int flags, int to) {
   const int file = ::open(path, flags, 0644);
@@ -35,19 +66,19 @@ bool redirect(const char* path, int flags, int to) {
 }
 
 /// Between fork and exec: nothing but system calls. Never returns; an error goes to `report`.
-[[noreturn]] void become(const char* program, char* const* argv, const char* log, pid_t parent, int report) {
+[[noreturn]] void become(const ChildCommand& command, char* const* argv, pid_t parent, int report) {
   sigset_t none;
   ::sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  ::setpgid(0, 0);
+  if (command.own_group) ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const rlimit no_core{0, 0};  // a crash is a row, not a gigabyte
   ::setrlimit(RLIMIT_CORE, &no_core);
   if (::getppid() != parent) ::_exit(127);  // gone before it could be told
   if (redirect("/dev/null", O_RDONLY, STDIN_FILENO) &&
-      redirect(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, STDOUT_FILENO) &&
-      ::dup2(STDOUT_FILENO, STDERR_FILENO) >= 0) {
-    ::execv(program, argv);
+      redirect(command.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, STDOUT_FILENO) &&
+      ::dup2(STDOUT_FILENO, STDERR_FILENO) >= 0 && (command.folder.empty() || ::chdir(command.folder.c_str()) == 0)) {
+    ::execvp(command.program.c_str(), argv);
   }
   const int error = errno;
   [[maybe_unused]] const auto written = ::write(report, &error, sizeof(error));
@@ -70,26 +101,24 @@ void wait_for(pid_t id) {
   }
 }
 
-[[noreturn]] void complain(int error, const std::filesystem::path& log) {
-  throw DataError(fmt::format("a run cannot be started: {} (its log would be {})",
-                              std::generic_category().message(error), log.string()));
+[[noreturn]] void complain(int error, const ChildCommand& command) {
+  throw DataError(fmt::format("{}: cannot be started: {} (its log would be {})", command.program.string(),
+                              std::generic_category().message(error), command.log.string()));
 }
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                           const std::filesystem::path& log, Limits limits)
-    : start_(std::chrono::steady_clock::now()), limits_(limits) {
-  std::vector<std::string> words = {"aslio"};
-  words.insert(words.end(), arguments.begin(), arguments.end());
+ChildProcess::ChildProcess(const ChildCommand& command, Limits limits)
+    : own_group_(command.own_group), start_(std::chrono::steady_clock::now()), limits_(limits) {
+  std::vector<std::string> words = command.arguments;
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   int report[2] = {-1, -1};
-  if (::pipe2(report, O_CLOEXEC) != 0) complain(errno, log);
+  if (::pipe2(report, O_CLOEXEC) != 0) complain(errno, command);
   const pid_t parent = ::getpid();
   id_ = ::fork();
-  if (id_ == 0) become(program.c_str(), argv.data(), log.c_str(), parent, report[1]);
+  if (id_ == 0) become(command, argv.data(), parent, report[1]);
   int error = id_ < 0 ? errno : 0;
   ::close(report[1]);
   if (error == 0) error = error_of(report[0]);
@@ -101,7 +130,8 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
     return;
   }
   if (id_ > 0) wait_for(id_);
-  complain(error, log);
+  id_ = -1;
+  complain(error, command);
 }
 
 ChildProcess::~ChildProcess() {
@@ -115,23 +145,37 @@ double ChildProcess::wall_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
+double ChildProcess::look_at_memory() {
+  double sum = 0;
+  for (const pid_t id : family_of(id_)) {
+    const Resident resident = resident_of(id);
+    sum += resident.now_mb;
+    peak_rss_mb_ = std::max(peak_rss_mb_, resident.peak_mb);
+  }
+  peak_rss_mb_ = std::max(peak_rss_mb_, sum);
+  return sum;
+}
+
 std::optional<ChildEnd> ChildProcess::poll() {
   int status = 0;
-  if (::waitpid(id_, &status, WNOHANG) == id_) {
-    ::kill(-id_, SIGKILL);  // what it has started and left behind
+  rusage usage{};
+  if (::wait4(id_, &status, WNOHANG, &usage) == id_) {
+    if (own_group_) ::kill(-id_, SIGKILL);  // what it has started and left behind
     id_ = -1;
     const bool exited = WIFEXITED(status);
     ChildEnd end;
     end.cause = limit_ ? *limit_ : exited ? ChildEnd::Cause::exit : ChildEnd::Cause::signal;
     end.code = exited ? WEXITSTATUS(status) : WTERMSIG(status);
     end.wall_s = wall_s();
+    end.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    end.peak_rss_mb = peak_rss_mb_;  // ru_maxrss would be that of this process, if larger: it survives exec
     return end;
   }
   if (!limit_ && wall_s() > limits_.time_s) {
     limit_ = ChildEnd::Cause::time_limit;
     interrupt();  // to write what it has
   }
-  if (resident_mb(id_) > limits_.memory_mb) limit_ = ChildEnd::Cause::memory_limit;
+  if (look_at_memory() > limits_.memory_mb) limit_ = ChildEnd::Cause::memory_limit;
   if (limit_ == ChildEnd::Cause::memory_limit || wall_s() > limits_.time_s + kTimeToEnd) kill();
   return std::nullopt;
 }
@@ -142,6 +186,10 @@ void ChildProcess::interrupt() const {
 
 void ChildProcess::kill() const {
   if (id_ <= 0) return;
+  if (!own_group_) {
+    for (const pid_t id : family_of(id_)) ::kill(id, SIGKILL);
+    return;
+  }
   ::kill(-id_, SIGKILL);
   ::kill(id_, SIGKILL);  // before it has a group of its own
 }

@@ -17,20 +17,30 @@ struct ChildEnd {
   Cause cause = Cause::exit;
   int code = 0;  ///< exit code, or number of the signal
   double wall_s = 0;
+  double cpu_s = 0;        ///< of it and of what it started and waited for
+  double peak_rss_mb = 0;  ///< the largest of: all its processes together at a poll(), one of them alone
 };
 
-/// A program with its own process group, which ends with this process, however that ends. Ended and waited for at the
-/// latest when destroyed.
+/// What a child is started with.
+struct ChildCommand {
+  std::filesystem::path program;       ///< without a slash: looked for in PATH
+  std::vector<std::string> arguments;  ///< the first one is the name by which it is called
+  std::filesystem::path log;           ///< stdout and stderr
+  std::filesystem::path folder = {};   ///< in which it works; empty: that of this process
+  /// With all it starts, apart from this process: who ends this one from outside does not reach it.
+  bool own_group = true;
+};
+
+/// A program that ends with this process, however that ends. Ended and waited for at the latest when destroyed. stdin
+/// is empty.
 class ChildProcess {
  public:
   struct Limits {
     double time_s = 0;     ///< wall-clock time
-    double memory_mb = 0;  ///< resident
+    double memory_mb = 0;  ///< resident, with all that it has started
   };
-  /// `arguments` without the program. stdout and stderr go to `log`, stdin is empty. Throws DataError when it cannot be
-  /// started.
-  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               const std::filesystem::path& log, Limits limits);
+  /// Throws DataError when it cannot be started.
+  ChildProcess(const ChildCommand& command, Limits limits);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -46,8 +56,11 @@ class ChildProcess {
 
  private:
   double wall_s() const;
+  double look_at_memory();
 
   pid_t id_ = -1;
+  bool own_group_ = true;
+  double peak_rss_mb_ = 0;
   int descriptor_ = -1;
   std::chrono::steady_clock::time_point start_;
   Limits limits_;

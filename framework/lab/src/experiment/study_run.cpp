@@ -37,6 +37,12 @@ constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C it
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+/// A text of a run that has not its final folder yet.
+void name_finally(std::string& text, const fs::path& folder, const fs::path& final) {
+  const std::size_t at = text.find(folder.string());
+  if (at != std::string::npos) text.replace(at, folder.string().size(), final.string());
+}
+
 class Schedule {
  public:
   Schedule(const Study& study, const StudyOptions& options, StudyMonitor& monitor)
@@ -237,10 +243,7 @@ class Schedule {
     for (const std::string& assignment : data.set) arguments.insert(arguments.end(), {"--set", assignment});
     if (asks_for("world")) arguments.insert(arguments.end(), {"--save-world", (folder / kWorldFile).string()});
     data_[d].state = DataState::simulating;
-    active_.push_back(
-        {std::nullopt, d, folder, log,
-         std::make_unique<ChildProcess>(options_.executable, arguments, log,
-                                        ChildProcess::Limits{kSimulationLimit, study_.config.memory_limit})});
+    active_.push_back({std::nullopt, d, folder, log, start(arguments, log, kSimulationLimit)});
   }
 
   /// A child has read `sources` by itself: what it made of other texts than the study's goes.
@@ -294,15 +297,50 @@ class Schedule {
   /// What a run reads by itself: pipeline, plugins, the files of a recording. The data of a scene are made already.
   std::vector<fs::path> sources_of(const StudyRun& run) const {
     std::vector<fs::path> files = study_.plugins;
-    files.push_back(study_.methods[run.method].pipeline);
+    const StudyMethod& method = study_.methods[run.method];
+    if (!method.external) files.push_back(method.pipeline);
     const StudyData& data = study_.data[run.data];
     if (data.scene.empty()) files.insert(files.end(), data.texts.begin(), data.texts.end());
     return files;
   }
 
+  std::unique_ptr<ChildProcess> start(std::vector<std::string> arguments, const fs::path& log, double time_s) const {
+    arguments.insert(arguments.begin(), "aslio");
+    return std::make_unique<ChildProcess>(
+        ChildCommand{.program = options_.executable, .arguments = std::move(arguments), .log = log},
+        ChildProcess::Limits{time_s, study_.config.memory_limit});
+  }
+
+  /// Of `aslio run`, or of `aslio external` for a method that is not of this program: its file is put there.
+  std::vector<std::string> arguments_of(std::size_t i, const fs::path& folder) const {
+    const StudyRun& run = result_.runs[i];
+    const StudyMethod& method = study_.methods[run.method];
+    const StudyData& data = study_.data[run.data];
+    std::vector<std::string> arguments = {
+        "run",      method.pipeline.string(), "--dataset", data_[run.data].dataset.string(),
+        "--output", folder.string(),          "--seed",    fmt::to_string(run.order_seed),
+        "--quiet"};
+    if (!data.folder.empty()) arguments.insert(arguments.end(), {"--data", data.folder.string()});
+    if (method.external) {
+      const fs::path file = folder / "method.yaml";
+      write_file(file, method.resolved);
+      arguments[0] = "external";
+      arguments[1] = file.string();
+      arguments.insert(arguments.end(), {"--name", data.name, "--sequence", data.sequence});
+      return arguments;
+    }
+    for (const std::string& assignment : overrides_of(study_, result_.runs, run, runs_folder_)) {
+      arguments.insert(arguments.end(), {"--set", assignment});
+    }
+    if (study_.config.stop_when_diverged) arguments.emplace_back("--stop-when-diverged");
+    if (asks_for("dense")) arguments.emplace_back("--dense");
+    if (asks_for("map")) arguments.insert(arguments.end(), {"--save-map", (folder / "map.ply").string()});
+    arguments.insert(arguments.end(), options_.run_options.begin(), options_.run_options.end());
+    return arguments;
+  }
+
   void start_run(std::size_t i) {
     StudyRun& run = result_.runs[i];
-    const StudyMethod& method = study_.methods[run.method];
     require_unchanged(study_, sources_of(run));
     // A file that its pipeline names may have come or changed since the runs were planned.
     run.key = run_key(study_, result_.runs, run, options_.program, runs_folder_);
@@ -312,35 +350,19 @@ class Schedule {
     remove_leftovers(folder.parent_path(), partial);
     folder.replace_filename(partial + fmt::to_string(::getpid()));
     create_folder(folder);
-    std::vector<std::string> arguments = {
-        "run",      method.pipeline.string(), "--dataset", data_[run.data].dataset.string(),
-        "--output", folder.string(),          "--seed",    fmt::to_string(run.order_seed),
-        "--quiet"};
-    const fs::path& data = study_.data[run.data].folder;
-    if (!data.empty()) arguments.insert(arguments.end(), {"--data", data.string()});
-    for (const std::string& assignment : overrides_of(study_, result_.runs, run, runs_folder_)) {
-      arguments.insert(arguments.end(), {"--set", assignment});
-    }
-    if (study_.config.stop_when_diverged) arguments.emplace_back("--stop-when-diverged");
-    if (asks_for("dense")) arguments.emplace_back("--dense");
-    if (asks_for("map")) arguments.insert(arguments.end(), {"--save-map", (folder / "map.ply").string()});
-    arguments.insert(arguments.end(), options_.run_options.begin(), options_.run_options.end());
+    std::vector<std::string> arguments = arguments_of(i, folder);
     const fs::path log = folder / "log.txt";
     states_[i] = RunState::active;
-    active_.push_back(
-        {i, run.data, folder, log,
-         std::make_unique<ChildProcess>(options_.executable, arguments, log,
-                                        ChildProcess::Limits{study_.config.time_limit, study_.config.memory_limit})});
-    for (std::string& word : arguments) {
-      if (word.starts_with(folder.string())) word.replace(0, folder.string().size(), final_folder(i).string());
-    }
+    active_.push_back({i, run.data, folder, log, start(arguments, log, study_.config.time_limit)});
+    for (std::string& word : arguments) name_finally(word, folder, final_folder(i));
     arguments.insert(arguments.begin(), "aslio");
     active_.back().command = std::move(arguments);
   }
 
   void finish_run(const Active& ended, const ChildEnd& end) {
     const std::size_t i = *ended.run;
-    const StudyOutcome outcome = judge_run(end, ended.folder, ended.log, study_.config);
+    StudyOutcome outcome = judge_run(end, ended.folder, ended.log, study_.config);
+    name_finally(outcome.reason, ended.folder, final_folder(i));
     std::error_code error;
     // Ended because we asked it to, or by the Ctrl-C that we shall hear of in a moment.
     if (outcome.status == "interrupted" || (result_.interrupted && !outcome.good())) {

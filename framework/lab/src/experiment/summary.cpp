@@ -8,6 +8,7 @@
 
 #include "aslio/evaluation/report.hpp"
 #include "aslio/experiment/measure.hpp"
+#include "metrics_json.hpp"
 
 namespace aslio::experiment {
 
@@ -56,16 +57,6 @@ std::string none_accepted(const Summary& s) {
   return fmt::format("none of {} updates was accepted: {}", s.updates, why);
 }
 
-/// An error that no table may show as a good run, whatever the run itself says.
-std::string off_reference(const Summary& s) {
-  constexpr double metres = 1.0, share = 0.01;
-  if (!s.evaluation) return "";
-  const double ate = s.evaluation->ate.translation.rmse;
-  if (ate <= metres || ate <= share * s.evaluation->reference_path) return "";
-  return fmt::format("off the reference by {:.2f} m (ATE) over {:.0f} m of path: more than {:g} m and {:.0f} %", ate,
-                     s.evaluation->reference_path, metres, 100 * share);
-}
-
 /// What makes a run `degraded`; empty: nothing.
 std::string shortcomings(const Summary& s, const std::string& odd) {
   std::string text;
@@ -77,7 +68,7 @@ std::string shortcomings(const Summary& s, const std::string& odd) {
            "; ");
   }
   append(text, s.start_doubt, "; ");
-  append(text, off_reference(s), "; ");
+  append(text, off_reference(s.evaluation), "; ");
   append(text, s.monitor.implausible, "; ");
   append(text, odd, "; ");
   return text;
@@ -163,23 +154,6 @@ Json calibration(const Summary& s) {
   return out;
 }
 
-Json metrics(const Summary& s) {
-  Json out = {{"ate_m", nullptr}, {"ate_deg", nullptr}, {"rpe", nullptr}, {"rpe_distance_m", nullptr}};
-  if (s.evaluation) {
-    out["ate_m"] = s.evaluation->ate.translation.rmse;
-    if (s.evaluation->ate.rotation.n > 0) out["ate_deg"] = s.evaluation->ate.rotation.rmse;
-    if (const auto rpe = headline_rpe(*s.evaluation)) {
-      out["rpe"] = rpe->rmse_m;
-      out["rpe_distance_m"] = rpe->distance_m;
-    }
-  }
-  out["end_to_end_m"] = or_null(s.end_to_end_m);
-  out["failed_at"] = or_null(s.failed_at);
-  out["matched"] = s.evaluation ? Json(s.evaluation->matched_share) : Json(nullptr);
-  if (!s.evaluation_error.empty()) out["error"] = s.evaluation_error;
-  return out;
-}
-
 /// What was not taken as it came and is more than the peculiarity of a sensor: duplicates, disorder and points that
 /// the decoder drops lose nothing, and neither do fewer than one in a thousand.
 std::string anomalies(const Summary& s) {
@@ -256,7 +230,7 @@ std::string to_json(const Summary& s) {
   out["initialisation"] = s.initialisation;
   out["notes"] = s.notes;
   out["calibration"] = calibration(s);
-  out["metrics"] = metrics(s);
+  out["metrics"] = metrics_json(s.evaluation, s.end_to_end_m, s.failed_at, s.evaluation_error);
   if (s.evaluation) out["evaluation"] = evaluation::to_json(*s.evaluation);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

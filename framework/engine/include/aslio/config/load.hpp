@@ -16,7 +16,7 @@
 
 namespace aslio::config {
 
-enum class FileKind : unsigned char { pipeline, sensor, scene, dataset, study, reference, family };
+enum class FileKind : unsigned char { pipeline, sensor, scene, dataset, study, reference, family, external };
 
 /// "pipeline", ..
 std::string_view name(FileKind kind);

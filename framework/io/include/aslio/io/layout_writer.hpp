@@ -48,6 +48,11 @@ class LayoutWriter {
 /// Throws ConfigError for a layout that contradicts itself, DataError for what cannot be written.
 std::unique_ptr<LayoutWriter> open_layout_writer(const Layout& layout, const LayoutPlace& place);
 
+/// What an IMU with that driver and clock tells of a sample.
+ImuSample as_told(const ImuLayout& layout, ImuSample sample);
+/// A sweep by the clock of the sensor; `scratch` holds it where that differs.
+const LidarPacket& as_told(const LidarLayout& layout, const LidarPacket& sweep, LidarPacket& scratch);
+
 /// `name` with {key} replaced; for names of files in layouts and families.
 std::string filled_in(std::string name, std::string_view key, std::string_view value);
 

@@ -62,11 +62,6 @@ class ReferenceFileWriter {
   std::unique_ptr<RowFile> table_;
 };
 
-/// What an IMU with that driver and clock tells of a sample.
-ImuSample as_told(const ImuLayout& layout, ImuSample sample);
-/// A sweep by the clock of the sensor.
-const LidarPacket& as_told(const LidarLayout& layout, const LidarPacket& sweep, LidarPacket& scratch);
-
 /// The path of a file of the layout, whose folder is created. Throws DataError.
 std::filesystem::path place_of(const LayoutPlace& place, const std::string& name);
 

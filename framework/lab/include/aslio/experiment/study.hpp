@@ -13,6 +13,7 @@
 
 #include "aslio/config/node.hpp"
 #include "aslio/config/stage_lookup.hpp"
+#include "aslio/experiment/external_method.hpp"
 
 namespace aslio::config {
 class Binder;
@@ -44,6 +45,7 @@ struct StudyMethodConfig {
   std::string baseline;              ///< its own; empty: that of the study
   config::Node set;                  ///< map of dotted paths to values
   std::vector<std::string> differs;  ///< keys and blocks
+  ExternalMethod external;           ///< in place of a pipeline
   static void describe(config::Binder& b, StudyMethodConfig& method);
 };
 
@@ -107,18 +109,19 @@ struct StudyData {
   std::string identity;  ///< SHA-256 of everything that makes these data what they are
 };
 
-/// One method: a pipeline with overrides, at one point of the grid of axes.
+/// One method: a pipeline with overrides, at one point of the grid of axes, or one that is not of this program.
 struct StudyMethod {
   std::string name;  ///< with the suffixes of the axes
   std::string base;  ///< without
   std::filesystem::path pipeline;
-  std::vector<std::string> set;      ///< `key.path=value`; may hold {run:NAME} and {data}, see overrides_of()
-  std::vector<std::string> axes;     ///< value in each column of the axes, as text
-  std::vector<std::string> differs;  ///< its own, and those of the study
-  std::size_t entry = 0;             ///< in `methods`
+  std::optional<ExternalMethod> external;  ///< in place of a pipeline; its paths are absolute
+  std::vector<std::string> set;            ///< `key.path=value`; may hold {run:NAME} and {data}, see overrides_of()
+  std::vector<std::string> axes;           ///< value in each column of the axes, as text
+  std::vector<std::string> differs;        ///< its own, and those of the study
+  std::size_t entry = 0;                   ///< in `methods`
   /// Names in {run:NAME}, and the methods they mean, all of which stand before this one.
   std::vector<std::pair<std::string, std::size_t>> uses;
-  std::string resolved;            ///< pipeline with every key at its effective value
+  std::string resolved;            ///< pipeline, or external method, with every key at its effective value
   std::vector<std::string> paths;  ///< paths_in(resolved)
 };
 
@@ -143,7 +146,7 @@ struct Study {
 /// stand under the key of the old one.
 void require_unchanged(const Study& study, const std::vector<std::filesystem::path>& sources);
 
-/// Keys in which the resolved pipelines differ.
+/// Keys in which the resolved pipelines differ; `program` alone where one of the two is not of this program.
 std::vector<std::string> differing_keys(const StudyMethod& method, const StudyMethod& baseline);
 /// Of those, the ones that neither `set`, the axes nor `differs` of either names.
 std::vector<std::string> unnamed_keys(const StudyMethod& method, const StudyMethod& baseline);

@@ -1,0 +1,88 @@
+#pragma once
+/// A method that is not of this program: a program of others, or a trajectory that others have made. It is run, limited
+/// and measured like any other (docs/external_programs.md).
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "aslio/io/layout.hpp"
+#include "aslio/io/reference.hpp"
+
+namespace aslio::config {
+class Binder;
+}
+
+namespace aslio::experiment {
+
+/// What the program is given to read.
+enum class ExternalInput : std::uint8_t {
+  as_is,   ///< the files of the recording, as they are
+  bag,     ///< a ROS1 bag, written from what this program reads
+  db3,     ///< a rosbag2 database, the same
+  mcap,    ///< an MCAP file of ROS2 messages, the same
+  folder,  ///< a PCD file for each sweep and a table of the IMU, the same
+};
+
+/// Keys of such a method: an entry of `methods` in a study, or a file (`schema: aslio/external/1`).
+struct ExternalMethod {
+  /// Words; {bag}, {output} and so on are replaced (kExternalPlaces). Empty: the trajectory is finished.
+  std::vector<std::string> command;
+  std::string trajectory;  ///< file with the poses; of a command: in its output folder
+  io::ReferenceFormat format = io::ReferenceFormat::automatic;
+  std::string frame = "imu";  ///< whose poses they are: imu, lidar, or one of the sensor file's transforms
+  std::vector<std::string> trajectory_set;  ///< further keys of the file, `key=value` as of a reference
+  ExternalInput input = ExternalInput::as_is;
+  io::LidarForm points = io::LidarForm::velodyne;  ///< of a written input, unless automatic_points
+  bool automatic_points = true;                    ///< Livox's message for a Livox, else that of velodyne_pointcloud
+  std::string engine;                              ///< docker, apptainer, or empty: no container
+  std::string image;                               ///< of the container
+  std::vector<double> exit_codes{0};               ///< with which the program has done its work
+
+  bool given() const { return !command.empty() || !trajectory.empty(); }
+  /// The keys alone: they stand beside others in a study.
+  static void describe_keys(config::Binder& b, ExternalMethod& method);
+  /// A whole file.
+  static void describe(config::Binder& b, ExternalMethod& method);
+};
+
+/// Names that may stand in braces in a word of the command or in the path of the trajectory.
+const std::vector<std::string>& external_places();
+
+/// What the places stand for in one run.
+struct ExternalPlaces {
+  std::vector<std::filesystem::path> bags;  ///< a word that is {bag} alone becomes a word for each
+  std::string imu_topic, lidar_topic;       ///< empty: not known
+  std::filesystem::path output;             ///< folder of the run, in which the program works
+  std::filesystem::path sensor;             ///< sensor file
+  std::string data;                         ///< name of the recording, with the seed of a simulation
+  std::string sequence;                     ///< without
+  std::string seed;                         ///< order seed of the run
+};
+
+/// Words with their places filled in. Throws ConfigError for a topic that is not known.
+std::vector<std::string> filled_in(const std::vector<std::string>& words, const ExternalPlaces& places);
+std::string filled_in(const std::string& text, const ExternalPlaces& places);
+
+/// The first {name} that is no place; empty: there is none. `text`: a word.
+std::string unknown_place(std::string_view text);
+
+/// A method of a file in `folder`: {here} replaced by it, a program with a slash in its name and a finished trajectory
+/// made paths of the caller's folder.
+ExternalMethod placed_in(ExternalMethod method, const std::filesystem::path& folder);
+
+/// YAML text (`schema: aslio/external/1`) with every key, and back. Throws ConfigError with all that is wrong.
+std::string resolved_text(const ExternalMethod& method);
+ExternalMethod load_external_method(const std::filesystem::path& file);
+
+/// The command as it is started: in its container, if it has one. `words`: filled in; `read`: folders that it reads.
+std::vector<std::string> in_container(const ExternalMethod& method, std::vector<std::string> words,
+                                      const std::filesystem::path& output,
+                                      const std::vector<std::filesystem::path>& read);
+
+/// Files of this machine that decide what a run does: the program, files among its words, a finished trajectory.
+std::vector<std::filesystem::path> files_of(const ExternalMethod& method, const ExternalPlaces& places);
+
+}  // namespace aslio::experiment

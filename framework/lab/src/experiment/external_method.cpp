@@ -1,0 +1,293 @@
+// The keys of a method that is not of this program, and what its words stand for.
+#include "aslio/experiment/external_method.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <system_error>
+
+#include "aslio/config/binder.hpp"
+#include "aslio/config/load.hpp"
+#include "aslio/core/errors.hpp"
+#include "aslio/plugin/registry.hpp"
+
+namespace aslio::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kBag = "{bag}";
+constexpr std::string_view kHere = "{here}";
+constexpr const char* kSchema = "schema: aslio/external/1\n";
+
+enum class Points : std::uint8_t { automatic, velodyne, ouster, hesai, livox_cloud, livox, livox2 };
+
+Points points_of(const ExternalMethod& method) {
+  if (method.automatic_points) return Points::automatic;
+  switch (method.points) {
+    case io::LidarForm::ouster:
+      return Points::ouster;
+    case io::LidarForm::hesai:
+      return Points::hesai;
+    case io::LidarForm::livox_cloud:
+      return Points::livox_cloud;
+    case io::LidarForm::livox:
+      return Points::livox;
+    case io::LidarForm::livox2:
+      return Points::livox2;
+    default:
+      return Points::velodyne;
+  }
+}
+
+io::LidarForm form_of(Points points) {
+  switch (points) {
+    case Points::ouster:
+      return io::LidarForm::ouster;
+    case Points::hesai:
+      return io::LidarForm::hesai;
+    case Points::livox_cloud:
+      return io::LidarForm::livox_cloud;
+    case Points::livox:
+      return io::LidarForm::livox;
+    case Points::livox2:
+      return io::LidarForm::livox2;
+    default:
+      return io::LidarForm::velodyne;
+  }
+}
+
+bool is_name(std::string_view text) {
+  return !text.empty() &&
+         std::all_of(text.begin(), text.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
+}
+
+void replace_all(std::string& text, std::string_view what, const std::string& by) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+    text.replace(at, what.size(), by);
+  }
+}
+
+std::string place_text(std::string_view name) { return fmt::format("{{{}}}", name); }
+
+/// A topic that is asked for and not known.
+void require_topic(const std::string& text, std::string_view name, const std::string& topic) {
+  if (!topic.empty() || text.find(place_text(name)) == std::string::npos) return;
+  throw ConfigError(fmt::format("{}: the sensor file names no {}: name it there, or let the method have `input: bag`",
+                                place_text(name), name));
+}
+
+bool whole(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
+}
+
+/// The file that a shell would start.
+fs::path program_file(const std::string& name) {
+  if (name.find('/') != std::string::npos) return name;
+  const char* paths = std::getenv("PATH");
+  std::string_view left = paths == nullptr ? "" : paths;
+  while (!left.empty()) {
+    const std::size_t end = std::min(left.find(':'), left.size());
+    const fs::path file = fs::path(left.substr(0, end)) / name;
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) return file;
+    left.remove_prefix(std::min(end + 1, left.size()));
+  }
+  return {};
+}
+
+void describe_trajectory(config::Binder& b, ExternalMethod& method) {
+  using io::ReferenceFormat;
+  b.text("trajectory", method.trajectory,
+         "file with the poses: of a command, in its output folder; without a command a finished one, relative to the "
+         "folder of this file, as in theirs/{data}.tum");
+  b.choice("format", method.format,
+           {{"auto", ReferenceFormat::automatic},
+            {"tum", ReferenceFormat::tum},
+            {"csv", ReferenceFormat::csv},
+            {"euroc", ReferenceFormat::euroc},
+            {"kitti", ReferenceFormat::kitti},
+            {"recording", ReferenceFormat::recording}},
+           "of the poses; auto: by the content");
+  b.text("frame", method.frame,
+         "whose poses they are: imu, lidar, or a frame of the sensor file's transforms; their world may be any");
+  b.texts("trajectory_set", method.trajectory_set, {},
+          "key=value of the file of poses, as of a reference: `columns=[..]`, `times=..`, `topic=/Odometry`");
+}
+
+void describe_container(config::Binder& b, ExternalMethod& method) {
+  b.text(
+      "engine", method.engine,
+      "container in which the command runs: docker or apptainer; empty: none. The folders of the run and of its data "
+      "have the same paths inside");
+  b.text("image", method.image, "image of the container");
+  b.require(method.engine.empty() || method.engine == "docker" || method.engine == "apptainer", "engine",
+            "must be docker, apptainer or empty");
+  b.require(method.engine.empty() == method.image.empty(), "image", "and `engine` go together: give both or neither");
+  b.require(method.engine.empty() || !method.command.empty(), "engine", "goes with `command`");
+}
+
+}  // namespace
+
+const std::vector<std::string>& external_places() {
+  static const std::vector<std::string> names = {"bag",  "imu_topic", "lidar_topic", "output", "sensor",
+                                                 "data", "sequence",  "seed",        "here"};
+  return names;
+}
+
+void ExternalMethod::describe_keys(config::Binder& b, ExternalMethod& method) {
+  b.texts(
+      "command", method.command, {},
+      fmt::format("words of a program that is run in place of a pipeline; {{{}}} are replaced; {{here}} is the folder "
+                  "of this file",
+                  fmt::join(external_places(), "}, {")));
+  describe_trajectory(b, method);
+  b.choice(
+      "input", method.input,
+      {{"as_is", ExternalInput::as_is},
+       {"bag", ExternalInput::bag},
+       {"db3", ExternalInput::db3},
+       {"mcap", ExternalInput::mcap},
+       {"folder", ExternalInput::folder}},
+      "what {bag} is: the recording as it is, or written again as a ROS1 bag, rosbag2 database, MCAP file, or folder "
+      "of PCD files with imu.csv");
+  Points points = points_of(method);
+  b.choice("points", points,
+           {{"auto", Points::automatic},
+            {"velodyne", Points::velodyne},
+            {"ouster", Points::ouster},
+            {"hesai", Points::hesai},
+            {"livox_cloud", Points::livox_cloud},
+            {"livox", Points::livox},
+            {"livox2", Points::livox2}},
+           "fields or message of the points in a bag, db3 or mcap that is written; auto: of the driver of Livox for a "
+           "topic of that name, else of velodyne_pointcloud");
+  method.automatic_points = points == Points::automatic;
+  method.points = form_of(points);
+  describe_container(b, method);
+  b.reals("exit_codes", method.exit_codes, 0, "", {.min = 0.0, .max = 255.0},
+          "with which the program has done its work");
+  b.require(method.command.empty() || !method.trajectory.empty(), "trajectory",
+            "is required: name the file of poses that the command writes");
+  b.require(!method.command.empty() || method.input == ExternalInput::as_is, "input", "goes with `command`");
+  b.require(!method.exit_codes.empty() && whole(method.exit_codes), "exit_codes",
+            "must be whole numbers, one at least");
+  b.require(!method.given() || !method.frame.empty(), "frame", "must be imu, lidar or a frame of the sensor file");
+  for (const std::string& word : method.command) {
+    const std::string unknown = unknown_place(word);
+    b.require(unknown.empty(), "command",
+              fmt::format("{{{}}} is no place; there are {{{}}}", unknown, fmt::join(external_places(), "}, {")));
+  }
+  const std::string unknown = unknown_place(method.trajectory);
+  b.require(unknown.empty(), "trajectory",
+            fmt::format("{{{}}} is no place; there are {{{}}}", unknown, fmt::join(external_places(), "}, {")));
+}
+
+void ExternalMethod::describe(config::Binder& b, ExternalMethod& method) {
+  describe_keys(b, method);
+  b.require(method.given(), "command", "is required: give the words of a program, or `trajectory` alone");
+}
+
+std::string unknown_place(std::string_view text) {
+  for (std::size_t open = text.find('{'); open != std::string_view::npos; open = text.find('{', open + 1)) {
+    const std::size_t close = text.find('}', open);
+    if (close == std::string_view::npos) break;
+    const std::string_view name = text.substr(open + 1, close - open - 1);
+    const auto& places = external_places();
+    if (is_name(name) && std::find(places.begin(), places.end(), name) == places.end()) return std::string(name);
+  }
+  return {};
+}
+
+std::string filled_in(const std::string& text, const ExternalPlaces& places) {
+  require_topic(text, "imu_topic", places.imu_topic);
+  require_topic(text, "lidar_topic", places.lidar_topic);
+  std::string out = text;
+  if (!places.bags.empty()) replace_all(out, kBag, places.bags.front().string());
+  replace_all(out, place_text("imu_topic"), places.imu_topic);
+  replace_all(out, place_text("lidar_topic"), places.lidar_topic);
+  replace_all(out, place_text("output"), places.output.string());
+  replace_all(out, place_text("sensor"), places.sensor.string());
+  replace_all(out, place_text("data"), places.data);
+  replace_all(out, place_text("sequence"), places.sequence);
+  replace_all(out, place_text("seed"), places.seed);
+  return out;
+}
+
+std::vector<std::string> filled_in(const std::vector<std::string>& words, const ExternalPlaces& places) {
+  std::vector<std::string> out;
+  for (const std::string& word : words) {
+    if (word == kBag) {
+      for (const fs::path& bag : places.bags) out.push_back(bag.string());
+    } else {
+      out.push_back(filled_in(word, places));
+    }
+  }
+  return out;
+}
+
+ExternalMethod placed_in(ExternalMethod method, const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path here = fs::absolute(folder.empty() ? fs::path(".") : folder, ignored).lexically_normal();
+  const std::string text = here.has_filename() ? here.string() : here.parent_path().string();
+  const auto at = [&](const std::string& path) { return (fs::path(text) / path).lexically_normal().string(); };
+  for (std::string& word : method.command) replace_all(word, kHere, text);
+  replace_all(method.trajectory, kHere, text);
+  const bool in_image = !method.engine.empty();
+  if (method.command.empty()) {
+    if (!method.trajectory.empty()) method.trajectory = at(method.trajectory);
+  } else if (!in_image && method.command.front().find('/') != std::string::npos) {
+    method.command.front() = at(method.command.front());
+  }
+  return method;
+}
+
+std::string resolved_text(const ExternalMethod& method) {
+  const auto describe = [&](config::Binder& b) {
+    ExternalMethod defaults = method;
+    ExternalMethod::describe(b, defaults);
+  };
+  return config::bind_text(kSchema, "external", config::FileKind::external, plugin::Catalog(), {}, describe).resolved;
+}
+
+ExternalMethod load_external_method(const fs::path& file) {
+  return placed_in(config::load<ExternalMethod>(file, config::FileKind::external, plugin::Catalog()).value,
+                   file.parent_path());
+}
+
+std::vector<std::string> in_container(const ExternalMethod& method, std::vector<std::string> words,
+                                      const fs::path& output, const std::vector<fs::path>& read) {
+  if (method.engine.empty()) return words;
+  const bool docker = method.engine == "docker";
+  std::vector<std::string> out = docker ? std::vector<std::string>{"docker", "run", "--rm", "--init"}
+                                        : std::vector<std::string>{"apptainer", "exec"};
+  const char* bind = docker ? "-v" : "--bind";
+  out.insert(out.end(), {bind, fmt::format("{0}:{0}", output.string())});
+  for (const fs::path& folder : read) {
+    if (folder != output) out.insert(out.end(), {bind, fmt::format("{0}:{0}:ro", folder.string())});
+  }
+  out.insert(out.end(), {docker ? "-w" : "--pwd", output.string(), method.image});
+  out.insert(out.end(), words.begin(), words.end());
+  return out;
+}
+
+std::vector<fs::path> files_of(const ExternalMethod& method, const ExternalPlaces& places) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  const auto add = [&](const fs::path& file) {
+    if (!file.empty() && fs::is_regular_file(file, ignored)) files.push_back(file);
+  };
+  if (method.command.empty()) {
+    add(filled_in(method.trajectory, places));
+    return files;
+  }
+  if (method.engine.empty()) add(program_file(method.command.front()));
+  for (std::size_t i = 1; i < method.command.size(); ++i) add(method.command[i]);
+  return files;
+}
+
+}  // namespace aslio::experiment
