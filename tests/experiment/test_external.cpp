@@ -72,13 +72,14 @@ TEST_CASE("words of a command have their places filled in") {
                               .seed = "7"};
   CHECK(filled_in(Words{"p", "{bag}", "--imu={imu_topic}"}, places) ==
         Words{"p", "/d/a.bag", "/d/b.bag", "--imu=/imu"});
-  CHECK(filled_in("x/{bag}", places) == "x//d/a.bag");
+  CHECK_THROWS_WITH(filled_in("--bag={bag}", places), Contains("2 files") && Contains("word of its own"));
   CHECK(filled_in("{data}/{sequence}_{seed}.tum", places) == "walk_3/walk_7.tum");
   CHECK(filled_in("{output}/a {sensor}", places) == "/out/run/a /d/s.yaml");
   CHECK(filled_in("{\"json\": 1} {{.Names}}", places) == "{\"json\": 1} {{.Names}}");
   CHECK_THROWS_WITH(filled_in("{lidar_topic}", places), Contains("lidar_topic") && Contains("input: bag"));
   CHECK(unknown_place("{bag} {outptu}") == "outptu");
-  CHECK(unknown_place("{\"a\": 1} {X}").empty());
+  CHECK(unknown_place("{\"a\": 1} {print} {X}").empty());
+  CHECK(unknown_place("{run:fast}") == "run:fast");
 }
 
 TEST_CASE("paths of a method are relative to its file, and a program without a slash is one of PATH") {
@@ -93,17 +94,26 @@ TEST_CASE("paths of a method are relative to its file, and a program without a s
   CHECK(placed_in(method, "/lab").trajectory == "/lab/poses.tum");
 }
 
-TEST_CASE("a container sees the folders of the run and of its data by the same paths") {
+TEST_CASE("a container sees the folders of the run, of its data and of the method by the same paths") {
   ExternalMethod method;
   method.command = {"p"};
-  CHECK(in_container(method, {"p", "a"}, "/out", {"/d"}) == Words{"p", "a"});
+  CHECK(in_container(method, {"p", "a"}, "/out", {"/d"}, "n") == Words{"p", "a"});
   method.image = "lio:1";
   method.engine = "docker";
-  CHECK(in_container(method, {"p", "a"}, "/out", {"/d", "/out"}) ==
-        Words{"docker", "run", "--rm", "--init", "-v", "/out:/out", "-v", "/d:/d:ro", "-w", "/out", "lio:1", "p", "a"});
+  method.engine_options = {"--network", "none"};
+  method.folder = "/lab";
+  const Words docker = in_container(method, {"p", "a"}, "/lab/out", {"/d", "/d", "/lab/out"}, "n");
+  CHECK(Words(docker.begin(), docker.begin() + 6) == Words{"docker", "run", "--rm", "--init", "--name", "n"});
+  // A folder is mounted after the one that it lies in, which would hide it otherwise.
+  CHECK(Words(docker.begin() + 8, docker.end()) == Words{"--network", "none", "-v", "/d:/d:ro", "-v", "/lab:/lab:ro",
+                                                         "-v", "/lab/out:/lab/out", "-w", "/lab/out", "lio:1", "p",
+                                                         "a"});
   method.engine = "apptainer";
-  CHECK(in_container(method, {"p"}, "/out", {"/d"}) ==
-        Words{"apptainer", "exec", "--bind", "/out:/out", "--bind", "/d:/d:ro", "--pwd", "/out", "lio:1", "p"});
+  method.engine_options.clear();
+  CHECK(in_container(method, {"p"}, "/out", {"/d"}, "n") == Words{"apptainer", "exec", "--bind", "/d:/d:ro", "--bind",
+                                                                  "/lab:/lab:ro", "--bind", "/out:/out", "--pwd",
+                                                                  "/out", "lio:1", "p"});
+  CHECK_THROWS_WITH(in_container(method, {"p"}, "/out", {"/d:1"}, "n"), Contains("/d:1"));
 }
 
 TEST_CASE("what is wrong with a method of others is reported with its place") {
@@ -127,6 +137,14 @@ TEST_CASE("what is wrong with a method of others is reported with its place") {
   CHECK_THAT(complaint("{name: a, pipeline: quick.yaml}, {name: b, trajectory: x.tum}",
                        "vary: [{path: window.period, values: [0.1, 0.2]}]\n"),
              Contains("method 'b'") && Contains("methods: [..]"));
+  CHECK_THAT(complaint("{name: a, command: [p], trajectory: trajectory.tum}"), Contains("that this program writes"));
+  CHECK_THAT(complaint("{name: a, command: [''], trajectory: x.tum}"), Contains("name of a program"));
+  CHECK_THAT(complaint("{name: a, trajectory: x.tum, trajectory_set: [colums=a]}"),
+             Contains("study.yaml:6:") && Contains("colums"));
+  CHECK_THAT(
+      complaint("{name: a, trajectory: x.tum}, {name: b, pipeline: quick.yaml, set: {window: {type: replay, file: "
+                "'{run:a}/updates.csv'}}}"),
+      Contains("no file that a stage reads"));
   CHECK(complaint("{name: a, pipeline: quick.yaml}, {name: b, trajectory: x.tum}",
                   "vary: [{path: window.period, values: [0.1, 0.2], methods: [a]}]\nbaseline: b\n")
             .empty());
@@ -185,6 +203,50 @@ TEST_CASE("a program reads the recording in any form, and finds in it what this 
   }
 }
 
+TEST_CASE("a copy has its own sensor file: what reading has put right is right there, also without topics") {
+  const Bench bench;
+  write_text(bench.at("sensor.yaml"),
+             sensor_text("acc_unit: g\nimu_delay: 0.004\nlidar_stamp: end\nimu_time_offset: 2\n"
+                         "lidar_time_offset: 2\ngyro_sensitivity: [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]\n"));
+  write_text(bench.at("walk.yaml"), "schema: aslio/dataset/1\ninput: walk.bag\nsensor: sensor.yaml\n");
+  const Ended ended =
+      bench.run(itself("as_is") + ", " + itself("bag") + ", " + itself("mcap") + ", " + itself("folder"));
+  INFO(ended.err << content(bench.at("out/results.csv")));
+  const std::string as_is = content(bench.at("out/runs/walk/as_is/own/trajectory.tum"));
+  REQUIRE_FALSE(as_is.empty());
+  for (const char* form : {"bag", "mcap", "folder"}) {
+    INFO(form);
+    CHECK(content(bench.at("out/runs/walk/" + std::string(form) + "/own/trajectory.tum")) == as_is);
+  }
+}
+
+TEST_CASE("a trajectory that was there before, one of another clock, and a spoilt folder are told for what they are") {
+  const Bench bench;
+  bench.script("once.sh",
+               "test -e \"$(dirname \"$0\")/done\" || cp \"$(dirname \"$0\")/truth.tum\" poses.tum; touch \"$(dirname "
+               "\"$0\")/done\"");
+  write_text(bench.at("method.yaml"), "schema: aslio/external/1\ncommand: [./once.sh]\ntrajectory: poses.tum\n");
+  const auto run = [&] {
+    return run_aslio(
+        {"external", bench.at("method.yaml"), "--dataset", bench.at("walk.yaml"), "--output", bench.at("o")});
+  };
+  CHECK(run().code == 0);
+  const Ended second = run();
+  CHECK(second.code == 1);
+  CHECK_THAT(second.err, Contains("has not written it"));
+  bench.script("spoils.sh",
+               "cp \"$(dirname \"$0\")/truth.tum\" poses.tum; rm -rf \"$1\"; mkdir -p \"$1/manifest.json\"");
+  bench.script("sparse.sh", "awk 'NR % 100 == 1' \"$(dirname \"$0\")/truth.tum\" > poses.tum");
+  const Ended ended = bench.run(
+      "{name: later, trajectory: truth.tum, trajectory_set: [time_offset=500]}, {name: spoils, command: [./spoils.sh, "
+      "'{output}'], "
+      "trajectory: poses.tum}, {name: sparse, command: [./sparse.sh], trajectory: poses.tum}");
+  INFO(ended.err);
+  CHECK(ended.code == 1);
+  CHECK(bench.figures("status") == Words{"failed", "failed", "ok"});
+  CHECK_THAT(content(bench.at("out/results.csv")), Contains("another clock or unit"));
+}
+
 TEST_CASE("a program that does not do its work is a row with its reason, and the study goes on") {
   const Bench bench;
   bench.script("fails.sh", "echo 'no map' >&2; exit 3");
@@ -217,19 +279,28 @@ TEST_CASE("limits hold for all that a program starts, and none of it is left") {
   const std::string mark = bench.at("alive").string();
   // The last words would be written by a process that outlives the run.
   bench.script("hangs.sh", "(sleep 7; echo still there > " + mark + ") & sleep 60");
-  bench.script("grows.sh", "python3 -c 'x = bytearray(400_000_000); import time; time.sleep(60)'");
+  // Neither a session of its own nor a parent that has ended lets a process escape, or hides what it costs.
+  bench.script("leaves.sh",
+               "setsid sh -c 'sleep 6; echo still there > " + mark +
+                   "' & (setsid python3 -c 'import time\nwhile time.process_time() < 0.5: pass' &) ; sleep 1.5; cp "
+                   "\"$(dirname \"$0\")/truth.tum\" poses.tum");
+  bench.script("breaks.sh", "(while :; do echo x; done) | head -n 1 && cp \"$(dirname \"$0\")/truth.tum\" poses.tum");
+  bench.script("grows.sh", "setsid python3 -c 'x = bytearray(400_000_000); import time; time.sleep(60)'");
   bench.script("works.sh",
                "python3 -c 'import time\nwhile time.process_time() < 0.7: pass' && cp \"$(dirname \"$0\")/truth.tum\" "
                "poses.tum");
   const Ended ended = bench.run(
       "{name: hangs, command: [./hangs.sh], trajectory: p.tum}, {name: grows, command: [./grows.sh], trajectory: "
       "p.tum}, "
-      "{name: works, command: [./works.sh], trajectory: poses.tum}",
+      "{name: works, command: [./works.sh], trajectory: poses.tum}, "
+      "{name: leaves, command: [./leaves.sh], trajectory: poses.tum}, "
+      "{name: breaks, command: [./breaks.sh], trajectory: poses.tum}",
       "time_limit: 4\nmemory_limit: 250\nmetrics: [ate_m, cpu_s_per_s]\n");
   INFO(ended.err);
-  CHECK(bench.figures("status") == Words{"timeout", "memory", "ok"});
+  CHECK(bench.figures("status") == Words{"timeout", "memory", "ok", "ok", "ok"});
   CHECK(bench.summary("works").at("cpu_s").get<double>() == Approx(0.75).margin(0.15));
   CHECK(bench.summary("works").at("peak_rss_mb").get<double>() == Approx(10).margin(7));  // of Python
+  CHECK(bench.summary("leaves").at("cpu_s").get<double>() == Approx(0.55).margin(0.15));
   ::sleep(5);
   CHECK_FALSE(fs::exists(mark));
 }

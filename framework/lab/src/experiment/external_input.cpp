@@ -8,9 +8,12 @@
 #include <optional>
 #include <variant>
 
+#include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/io/inspect.hpp"
 #include "aslio/io/layout_writer.hpp"
 #include "aslio/io/writers.hpp"
+#include "aslio/plugin/registry.hpp"
 #include "matching_paths.hpp"
 
 namespace aslio::experiment {
@@ -79,26 +82,33 @@ class PcdFolder final : public io::LayoutWriter {
   std::vector<fs::path> files_{"."};
 };
 
-io::LidarForm form_of(const ExternalMethod& method, const io::SensorConfig& sensor) {
+/// The topics that are read; what the sensor file leaves open is found.
+struct Topics {
+  std::string lidar, imu;
+  bool livox = false;  ///< the driver's own message
+};
+
+Topics topics_of(const Dataset& dataset, const io::SensorConfig& sensor) {
+  Topics topics{sensor.lidar_topic, sensor.imu_topic, sensor.lidar_topic.find("livox") != std::string::npos};
+  if (!topics.lidar.empty() && !topics.imu.empty()) return topics;
+  for (const io::TopicReport& found : io::inspect(dataset.inputs, sensor).topics) {
+    if (!found.problem.empty()) continue;
+    if (found.role == io::TopicRole::lidar && topics.lidar.empty()) {
+      topics.lidar = found.topic;
+      topics.livox = found.type.find("CustomMsg") != std::string::npos;
+    }
+    if (found.role == io::TopicRole::imu && topics.imu.empty()) topics.imu = found.topic;
+  }
+  return topics;
+}
+
+io::LidarForm form_of(const ExternalMethod& method, bool livox) {
   if (!method.automatic_points) return method.points;
-  if (sensor.lidar_topic.find("livox") == std::string::npos) return io::LidarForm::velodyne;
+  if (!livox) return io::LidarForm::velodyne;
   return method.input == ExternalInput::bag ? io::LidarForm::livox : io::LidarForm::livox2;
 }
 
-/// As the sensor file says, which describes the copy as it does the recording: units, signs and clock.
-io::ImuLayout imu_of(const io::SensorConfig& sensor) {
-  io::ImuLayout imu;
-  if (!sensor.imu_topic.empty()) imu.topic = sensor.imu_topic;
-  imu.frame_id = "imu";
-  if (sensor.acc_unit == io::AccUnit::g) imu.acc_unit = io::AccUnit::g;
-  if (sensor.gyro_unit == io::GyroUnit::deg_s) imu.gyro_unit = io::GyroUnit::deg_s;
-  imu.gyro_signs.assign(sensor.gyro_signs.begin(), sensor.gyro_signs.end());
-  imu.acc_signs.assign(sensor.acc_signs.begin(), sensor.acc_signs.end());
-  imu.time_offset = -sensor.times.imu_time_offset;
-  return imu;
-}
-
-io::Layout layout_of(const ExternalMethod& method, const io::SensorConfig& sensor) {
+io::Layout layout_of(const ExternalMethod& method, const io::SensorConfig& sensor, const Topics& topics) {
   io::Layout layout;
   layout.container = method.input == ExternalInput::bag   ? io::Container::rosbag
                      : method.input == ExternalInput::db3 ? io::Container::rosbag2
@@ -106,20 +116,48 @@ io::Layout layout_of(const ExternalMethod& method, const io::SensorConfig& senso
   layout.files = {method.input == ExternalInput::bag   ? "{sequence}.bag"
                   : method.input == ExternalInput::db3 ? "{sequence}"
                                                        : "{sequence}.mcap"};
-  layout.lidar.form = form_of(method, sensor);
-  if (!sensor.lidar_topic.empty()) layout.lidar.topic = sensor.lidar_topic;
-  layout.lidar.frame_id = sensor.lidar_frame.empty() ? "lidar" : sensor.lidar_frame;
-  layout.lidar.time_offset = -sensor.times.lidar_time_offset;
-  layout.imu = imu_of(sensor);
+  layout.lidar.form = form_of(method, topics.livox);
+  if (!topics.lidar.empty()) layout.lidar.topic = topics.lidar;
+  if (!topics.imu.empty()) layout.imu.topic = topics.imu;
+  layout.lidar.frame_id = "lidar";
+  layout.imu.frame_id = "imu";
+  // Programs for a sensor expect the unit of its driver.
+  if (sensor.acc_unit == io::AccUnit::g || (sensor.acc_unit == io::AccUnit::automatic && topics.livox)) {
+    layout.imu.acc_unit = io::AccUnit::g;
+  }
   layout.reference.format = io::ReferenceFile::none;
   return layout;
+}
+
+/// The sensor file of a copy: what reading has put right is right there.
+std::string sensor_of_copy(io::SensorConfig sensor, const io::Layout& layout, bool folder) {
+  const bool deskewed = sensor.times.deskewed;
+  sensor.times = {};
+  sensor.times.deskewed = deskewed;
+  sensor.lidar_topic = folder ? "" : layout.lidar.topic;
+  sensor.imu_topic = folder ? "" : layout.imu.topic;
+  sensor.acc_unit = layout.imu.acc_unit;
+  sensor.gyro_unit = io::GyroUnit::rad_s;
+  sensor.gyro_signs = sensor.acc_signs = {1, 1, 1};
+  sensor.gyro_sensitivity = Mat3::Zero();
+  sensor.imu_delay = 0;
+  sensor.lidar_id = -1;
+  sensor.scan_columns = sensor.imu_columns = sensor.lidar_frame = "";
+  sensor.lidar_metadata = sensor.lidar_calibration = sensor.lidar_address = "";
+  const auto describe = [&](config::Binder& b) {
+    io::SensorConfig defaults = sensor;
+    io::SensorConfig::describe(b, defaults);
+  };
+  return config::bind_text("schema: aslio/sensor/1\n", "sensor.yaml", config::FileKind::sensor, plugin::Catalog(), {},
+                           describe)
+      .resolved;
 }
 
 /// Measurements in the order in which they are read; a message counts as received when its last point was measured.
 class Copy {
  public:
-  Copy(const ExternalMethod& method, const io::SensorConfig& sensor, const fs::path& folder) {
-    layout_ = layout_of(method, sensor);
+  Copy(const ExternalMethod& method, const io::SensorConfig& sensor, const Topics& topics, const fs::path& folder)
+      : layout_(layout_of(method, sensor, topics)) {
     if (method.input == ExternalInput::folder) {
       writer_ = std::make_unique<PcdFolder>(layout_, folder);
       return;
@@ -193,9 +231,11 @@ FedRecording feed_recording(const Dataset& dataset, const io::SensorConfig& sens
   std::optional<Copy> copy;
   const bool written = !method.command.empty() && method.input != ExternalInput::as_is;
   if (!method.command.empty() && !written) require_whole(dataset);
+  const Topics topics = method.command.empty() ? Topics{} : topics_of(dataset, sensor);
   if (written) {
     fs::create_directories(folder);
-    copy.emplace(method, sensor, folder);
+    copy.emplace(method, sensor, topics, folder);
+    fed.sensor = sensor_of_copy(sensor, copy->layout(), method.input == ExternalInput::folder);
   }
   const auto source = io::open_source(dataset.inputs, sensor, dataset.section);
   fed.begin = kTimeMax;
@@ -218,8 +258,8 @@ FedRecording feed_recording(const Dataset& dataset, const io::SensorConfig& sens
   source->conclude();
   fed.notes = source->notes();
   fed.truncated = source->status() == io::InputStatus::truncated;
-  fed.imu_topic = copy ? copy->layout().imu.topic : sensor.imu_topic;
-  fed.lidar_topic = copy ? copy->layout().lidar.topic : sensor.lidar_topic;
+  fed.imu_topic = copy ? copy->layout().imu.topic : topics.imu;
+  fed.lidar_topic = copy ? copy->layout().lidar.topic : topics.lidar;
   fed.bags = copy ? std::vector<fs::path>{copy->close(folder)} : files_as_they_are(dataset);
   return fed;
 }

@@ -17,6 +17,7 @@ namespace aslio::experiment {
 struct FedRecording {
   std::vector<std::filesystem::path> bags;
   std::string imu_topic, lidar_topic;
+  std::string sensor;  ///< YAML of a sensor file that fits a copy; empty: there is none
   std::int64_t sweeps = 0, imu_samples = 0;
   TimeNs begin = 0, end = 0;  ///< of the points
   io::SourceNotes notes;

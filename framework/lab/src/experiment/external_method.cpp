@@ -3,14 +3,17 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <system_error>
 
 #include "aslio/config/binder.hpp"
 #include "aslio/config/load.hpp"
+#include "aslio/config/names.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/plugin/registry.hpp"
 
@@ -22,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kBag = "{bag}";
 constexpr std::string_view kHere = "{here}";
+constexpr std::string_view kTimes = "times=";
 constexpr const char* kSchema = "schema: aslio/external/1\n";
 
 enum class Points : std::uint8_t { automatic, velodyne, ouster, hesai, livox_cloud, livox, livox2 };
@@ -62,8 +66,8 @@ io::LidarForm form_of(Points points) {
 }
 
 bool is_name(std::string_view text) {
-  return !text.empty() &&
-         std::all_of(text.begin(), text.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
+  return !text.empty() && std::all_of(text.begin(), text.end(),
+                                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == ':'; });
 }
 
 void replace_all(std::string& text, std::string_view what, const std::string& by) {
@@ -94,7 +98,7 @@ fs::path program_file(const std::string& name) {
     const std::size_t end = std::min(left.find(':'), left.size());
     const fs::path file = fs::path(left.substr(0, end)) / name;
     std::error_code ignored;
-    if (fs::is_regular_file(file, ignored)) return file;
+    if (::access(file.c_str(), X_OK) == 0 && fs::is_regular_file(file, ignored)) return file;
     left.remove_prefix(std::min(end + 1, left.size()));
   }
   return {};
@@ -125,6 +129,7 @@ void describe_container(config::Binder& b, ExternalMethod& method) {
       "container in which the command runs: docker or apptainer; empty: none. The folders of the run and of its data "
       "have the same paths inside");
   b.text("image", method.image, "image of the container");
+  b.texts("engine_options", method.engine_options, {}, "further words for the engine, as in [--network, none]");
   b.require(method.engine.empty() || method.engine == "docker" || method.engine == "apptainer", "engine",
             "must be docker, apptainer or empty");
   b.require(method.engine.empty() == method.image.empty(), "image", "and `engine` go together: give both or neither");
@@ -136,6 +141,13 @@ void describe_container(config::Binder& b, ExternalMethod& method) {
 const std::vector<std::string>& external_places() {
   static const std::vector<std::string> names = {"bag",  "imu_topic", "lidar_topic", "output", "sensor",
                                                  "data", "sequence",  "seed",        "here"};
+  return names;
+}
+
+const std::vector<std::string>& files_of_a_run() {
+  static const std::vector<std::string> names = {"summary.json",  "trajectory.tum", "trajectory_lidar.tum",
+                                                 "manifest.json", "resolved.yaml",  "program.log",
+                                                 "method.yaml",   "log.txt",        "run_key.json"};
   return names;
 }
 
@@ -171,6 +183,12 @@ void ExternalMethod::describe_keys(config::Binder& b, ExternalMethod& method) {
   describe_container(b, method);
   b.reals("exit_codes", method.exit_codes, 0, "", {.min = 0.0, .max = 255.0},
           "with which the program has done its work");
+  b.require(method.command.empty() || !method.command.front().empty(), "command", "begins with the name of a program");
+  const auto& ours = files_of_a_run();
+  b.require(method.command.empty() || std::find(ours.begin(), ours.end(), method.trajectory) == ours.end(),
+            "trajectory",
+            "is the name of a file that this program writes: let the other one write into a folder, as in "
+            "out/trajectory.tum");
   b.require(method.command.empty() || !method.trajectory.empty(), "trajectory",
             "is required: name the file of poses that the command writes");
   b.require(!method.command.empty() || method.input == ExternalInput::as_is, "input", "goes with `command`");
@@ -196,9 +214,11 @@ std::string unknown_place(std::string_view text) {
   for (std::size_t open = text.find('{'); open != std::string_view::npos; open = text.find('{', open + 1)) {
     const std::size_t close = text.find('}', open);
     if (close == std::string_view::npos) break;
-    const std::string_view name = text.substr(open + 1, close - open - 1);
+    const std::string name(text.substr(open + 1, close - open - 1));
     const auto& places = external_places();
-    if (is_name(name) && std::find(places.begin(), places.end(), name) == places.end()) return std::string(name);
+    if (!is_name(name) || std::find(places.begin(), places.end(), name) != places.end()) continue;
+    // Others have braces for their own purposes.
+    if (name.starts_with("run:") || !config::nearest(name, places).empty()) return name;
   }
   return {};
 }
@@ -207,6 +227,12 @@ std::string filled_in(const std::string& text, const ExternalPlaces& places) {
   require_topic(text, "imu_topic", places.imu_topic);
   require_topic(text, "lidar_topic", places.lidar_topic);
   std::string out = text;
+  if (places.bags.size() > 1 && text.find(kBag) != std::string::npos) {
+    throw ConfigError(
+        fmt::format("'{}': the recording has {} files: let {{bag}} be a word of its own, which becomes one "
+                    "for each, or give the method `input: bag`",
+                    text, places.bags.size()));
+  }
   if (!places.bags.empty()) replace_all(out, kBag, places.bags.front().string());
   replace_all(out, place_text("imu_topic"), places.imu_topic);
   replace_all(out, place_text("lidar_topic"), places.lidar_topic);
@@ -235,14 +261,21 @@ ExternalMethod placed_in(ExternalMethod method, const fs::path& folder) {
   const fs::path here = fs::absolute(folder.empty() ? fs::path(".") : folder, ignored).lexically_normal();
   const std::string text = here.has_filename() ? here.string() : here.parent_path().string();
   const auto at = [&](const std::string& path) { return (fs::path(text) / path).lexically_normal().string(); };
+  method.folder = text;
   for (std::string& word : method.command) replace_all(word, kHere, text);
   replace_all(method.trajectory, kHere, text);
-  const bool in_image = !method.engine.empty();
+  replace_all(method.image, kHere, text);
+  for (std::string& key : method.trajectory_set) {
+    replace_all(key, kHere, text);
+    if (key.starts_with(kTimes) && method.command.empty()) key = std::string(kTimes) + at(key.substr(kTimes.size()));
+  }
+  if (method.engine == "apptainer" && fs::exists(at(method.image), ignored)) method.image = at(method.image);
   if (method.command.empty()) {
     if (!method.trajectory.empty()) method.trajectory = at(method.trajectory);
-  } else if (!in_image && method.command.front().find('/') != std::string::npos) {
+  } else if (method.engine.empty() && method.command.front().find('/') != std::string::npos) {
     method.command.front() = at(method.command.front());
   }
+  io::with_overrides({}, method.trajectory_set);  // what is wrong with them is told now
   return method;
 }
 
@@ -260,15 +293,27 @@ ExternalMethod load_external_method(const fs::path& file) {
 }
 
 std::vector<std::string> in_container(const ExternalMethod& method, std::vector<std::string> words,
-                                      const fs::path& output, const std::vector<fs::path>& read) {
+                                      const fs::path& output, std::vector<fs::path> read, const std::string& name) {
   if (method.engine.empty()) return words;
   const bool docker = method.engine == "docker";
-  std::vector<std::string> out = docker ? std::vector<std::string>{"docker", "run", "--rm", "--init"}
-                                        : std::vector<std::string>{"apptainer", "exec"};
-  const char* bind = docker ? "-v" : "--bind";
-  out.insert(out.end(), {bind, fmt::format("{0}:{0}", output.string())});
-  for (const fs::path& folder : read) {
-    if (folder != output) out.insert(out.end(), {bind, fmt::format("{0}:{0}:ro", folder.string())});
+  std::vector<std::string> out = {"apptainer", "exec"};
+  if (docker) {
+    out = {"docker", "run", "--rm", "--init", "--name", name, "-u", fmt::format("{}:{}", ::getuid(), ::getgid())};
+  }
+  out.insert(out.end(), method.engine_options.begin(), method.engine_options.end());
+  if (!method.folder.empty()) read.push_back(method.folder);
+  // A folder that lies in another one is mounted after it, and so hides its part of that.
+  std::erase(read, output);
+  std::vector<std::pair<fs::path, const char*>> mounts = {{output, ""}};
+  for (const fs::path& folder : read) mounts.emplace_back(folder, ":ro");
+  std::sort(mounts.begin(), mounts.end());
+  mounts.erase(std::unique(mounts.begin(), mounts.end()), mounts.end());
+  for (const auto& [folder, mode] : mounts) {
+    if (folder.string().find_first_of(":,") != std::string::npos) {
+      throw ConfigError(
+          fmt::format("{}: a container cannot be given a folder with ':' or ',' in its name", folder.string()));
+    }
+    out.insert(out.end(), {docker ? "-v" : "--bind", fmt::format("{0}:{0}{1}", folder.string(), mode)});
   }
   out.insert(out.end(), {docker ? "-w" : "--pwd", output.string(), method.image});
   out.insert(out.end(), words.begin(), words.end());
@@ -279,14 +324,22 @@ std::vector<fs::path> files_of(const ExternalMethod& method, const ExternalPlace
   std::vector<fs::path> files;
   std::error_code ignored;
   const auto add = [&](const fs::path& file) {
-    if (!file.empty() && fs::is_regular_file(file, ignored)) files.push_back(file);
+    if (file.is_absolute() && fs::is_regular_file(file, ignored)) files.push_back(file);
   };
+  for (const std::string& key : method.trajectory_set) {
+    if (key.starts_with(kTimes)) add(filled_in(key.substr(kTimes.size()), places));
+  }
+  add(method.image);
   if (method.command.empty()) {
     add(filled_in(method.trajectory, places));
     return files;
   }
   if (method.engine.empty()) add(program_file(method.command.front()));
-  for (std::size_t i = 1; i < method.command.size(); ++i) add(method.command[i]);
+  ExternalPlaces known = places;
+  known.imu_topic = known.lidar_topic = "-";  // no part of a path
+  for (std::size_t i = 1; i < method.command.size(); ++i) {
+    if (method.command[i] != kBag) add(filled_in(method.command[i], known));
+  }
   return files;
 }
 

@@ -1,11 +1,13 @@
 #include "aslio/experiment/external_run.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <chrono>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -40,18 +42,22 @@ constexpr double kGrace = 2.0;    // for it to end after a stop [s]
 constexpr double kLongest = 1e9;  // the caller has limits of its own [s]
 constexpr const char* kInputFolder = ".input";
 constexpr const char* kLog = "program.log";
-constexpr std::array<const char*, 6> kFiles = {"summary.json",  "trajectory.tum", "trajectory_lidar.tum",
-                                               "manifest.json", "resolved.yaml",  kLog};
 
-/// The last line of a log that says anything.
+/// The last line of a log that says anything. A progress bar ends its lines with a carriage return.
 std::string last_line(const fs::path& log) {
-  std::ifstream stream(log);
-  std::string last;
-  for (std::string line; std::getline(stream, line);) {
-    if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
-  }
+  constexpr std::streamoff kTail = 4096;
   constexpr std::size_t kMost = 200;
-  return last.size() > kMost ? last.substr(0, kMost) + ".." : last;
+  std::ifstream stream(log, std::ios::binary);
+  stream.seekg(0, std::ios::end);
+  stream.seekg(std::max<std::streamoff>(0, static_cast<std::streamoff>(stream.tellg()) - kTail));
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
+  const std::size_t begin = text.find_last_of("\r\n");
+  if (begin != std::string::npos) text.erase(0, begin + 1);
+  if (text.size() <= kMost) return text;
+  std::size_t end = kMost;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside a character
+  return text.substr(0, end) + "..";
 }
 
 /// What the program reads lies there; gone when the run ends, however that is.
@@ -83,17 +89,28 @@ double path_of(const std::vector<StampedPose>& poses) {
   return length;
 }
 
-/// The share of [begin, end] that lies between poses at most kLongGap apart. The first second may be without.
+/// The longest step between poses that leaves nothing out [ns]: authors may give keyframes alone.
+TimeNs longest_step(const std::vector<StampedPose>& poses) {
+  std::vector<TimeNs> steps;
+  for (std::size_t i = 1; i < poses.size(); ++i) steps.push_back(poses[i].t - poses[i - 1].t);
+  if (steps.empty()) return kLongGap;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return std::max(kLongGap, 3 * *middle);
+}
+
+/// The share of [begin, end] that lies between poses at most longest_step() apart. The first second may be without.
 double coverage_of(const std::vector<StampedPose>& poses, TimeNs begin, TimeNs end) {
   if (poses.empty() || end <= begin) return 0;
+  const TimeNs step = longest_step(poses);
   TimeNs covered = 0;
   TimeNs last = std::max(begin, poses.front().t - kInitialisationGrace);
   for (const StampedPose& pose : poses) {
     const TimeNs t = std::min(pose.t, end);
-    if (t > last && (t - last <= kLongGap || &pose == &poses.front())) covered += t - last;
+    if (t > last && (t - last <= step || &pose == &poses.front())) covered += t - last;
     last = std::max(last, t);
   }
-  if (end - last <= kLongGap) covered += std::max<TimeNs>(0, end - last);  // of one sweep behind the last pose
+  if (end - last <= step) covered += std::max<TimeNs>(0, end - last);  // of one sweep behind the last pose
   return to_seconds(covered) / to_seconds(end - begin);
 }
 
@@ -110,8 +127,9 @@ class ExternalRun {
     fed_ = feed_recording(options_.dataset, sensor_.value, options_.method, input_.path(), stop_);
     note_input();
     fill_places();
-    bool ran = true;
-    if (!options_.method.command.empty()) ran = run_program();
+    bool ran = !stop_();
+    if (!ran) set(summary_, RunStatus::interrupted, "stopped from outside");
+    if (ran && !options_.method.command.empty()) ran = run_program();
     if (ran && read_trajectory()) {
       write_trajectories();
       measure();
@@ -139,25 +157,58 @@ class ExternalRun {
                .imu_topic = fed_.imu_topic,
                .lidar_topic = fed_.lidar_topic,
                .output = options_.output,
-               .sensor = fs::absolute(options_.dataset.sensor).lexically_normal(),
+               .sensor = sensor_file(),
                .data = options_.data_name,
                .sequence = options_.sequence,
                .seed = fmt::to_string(options_.seed)};
   }
 
+  /// That of the recording, or one that fits its copy.
+  fs::path sensor_file() const {
+    if (fed_.sensor.empty()) return fs::absolute(options_.dataset.sensor).lexically_normal();
+    const fs::path file = input_.path() / "sensor.yaml";
+    write_file(file, fed_.sensor);
+    return file;
+  }
+
+  /// Of an earlier run, or of another program: it must not be taken for what this one writes.
+  void remove_earlier() const {
+    const fs::path file = trajectory_file();
+    std::error_code ignored;
+    if (file.string().starts_with(options_.output.string() + "/")) fs::remove(file, ignored);
+  }
+
+  std::string container() const { return fmt::format("aslio-{}", ::getpid()); }
+
+  /// Its processes are not ours: they would live on.
+  void end_container() const {
+    if (options_.method.engine != "docker") return;
+    try {
+      ChildProcess child({.program = "docker", .arguments = {"docker", "kill", container()}, .log = "/dev/null"},
+                         {.time_s = kGrace, .memory_mb = kLongest});
+      while (!child.poll()) std::this_thread::sleep_for(std::chrono::duration<double>(kLook));
+    } catch (const DataError&) {  // without docker there is none
+    }
+  }
+
   /// False: it did not do its work, and the summary says why.
   bool run_program() {
+    remove_earlier();
+    const auto begun = fs::file_time_type::clock::now();
     std::vector<fs::path> read = {places_.sensor.parent_path()};
     for (const fs::path& bag : fed_.bags) {
-      if (std::find(read.begin(), read.end(), bag.parent_path()) == read.end()) read.push_back(bag.parent_path());
+      read.push_back(bag.parent_path());
+      std::error_code ignored;
+      const fs::path real = fs::canonical(bag, ignored);  // a link must lead somewhere inside a container, too
+      if (!real.empty()) read.push_back(real.parent_path());
     }
     const auto words =
-        in_container(options_.method, filled_in(options_.method.command, places_), options_.output, read);
+        in_container(options_.method, filled_in(options_.method.command, places_), options_.output, read, container());
     const fs::path log = options_.output / kLog;
     std::optional<ChildEnd> end;
     try {
       ChildProcess child(
-          {.program = words.front(), .arguments = words, .log = log, .folder = options_.output, .own_group = false},
+          {.program = words.front(), .arguments = words, .log = log, .folder = options_.output, .adopts = true},
           {.time_s = kLongest, .memory_mb = kLongest});
       end = wait_for(child);
     } catch (const DataError& error) {
@@ -166,6 +217,7 @@ class ExternalRun {
       return false;
     }
     if (!end) {
+      end_container();
       set(summary_, RunStatus::interrupted, "stopped from outside");
       return false;
     }
@@ -178,8 +230,9 @@ class ExternalRun {
       summary_.notes.emplace_back("CPU time and memory inside a container of docker are not measured");
     }
     const auto& good = options_.method.exit_codes;
-    if (end->cause == ChildEnd::Cause::exit && std::find(good.begin(), good.end(), end->code) != good.end())
-      return true;
+    if (end->cause == ChildEnd::Cause::exit && std::find(good.begin(), good.end(), end->code) != good.end()) {
+      return require_new(begun);
+    }
     const std::string last = last_line(log);
     const std::string how = end->cause == ChildEnd::Cause::signal ? exit_text(*end, log)
                                                                   : fmt::format("ended with exit code {}", end->code);
@@ -189,11 +242,23 @@ class ExternalRun {
     return false;
   }
 
+  /// False: the trajectory is older than the run.
+  bool require_new(fs::file_time_type begun) {
+    const fs::path file = trajectory_file();
+    std::error_code error;
+    const auto written = fs::last_write_time(file, error);
+    if (error || written + std::chrono::seconds(2) >= begun) return true;  // file systems have coarse clocks
+    set(summary_, RunStatus::failed,
+        fmt::format("{}: is older than the run: the program ended well, and has not written it", file.string()));
+    return false;
+  }
+
   /// Nothing: it was stopped from outside.
   std::optional<ChildEnd> wait_for(ChildProcess& child) const {
     while (true) {
-      if (auto end = child.poll()) return end;
-      if (stop_()) break;
+      auto end = child.poll();
+      if (stop_()) break;  // asked for first: Ctrl-C reaches the program as well
+      if (end) return end;
       std::this_thread::sleep_for(std::chrono::duration<double>(kLook));
     }
     child.interrupt();
@@ -219,13 +284,16 @@ class ExternalRun {
       return false;
     }
     try {
-      std::vector<std::string> sets;
-      for (const std::string& key : options_.method.trajectory_set) sets.push_back(filled_in(key, places_));
-      if (options_.method.format != io::ReferenceFormat::automatic) sets.push_back("format=" + format_name());
-      sets.push_back("frame=" + options_.method.frame);
+      const std::vector<std::string> sets = trajectory_keys();
       io::ReferenceSpec spec = io::load_reference_spec(file, sets);
-      if (spec.positions_only == io::PositionsOnly::automatic) spec.positions_only = io::PositionsOnly::no;
       const Truth estimate = load_truth(spec, &sensor_.value);
+      if (estimate.positions_only) {
+        throw DataError(
+            fmt::format("{}: holds positions alone, or an orientation that never changes: a trajectory needs "
+                        "orientations. Where it has "
+                        "them, say `trajectory_set: [positions_only=no]`",
+                        file.string()));
+      }
       for (const std::string& warning : estimate.warnings) warn(warning);
       poses_.assign(estimate.trajectory.samples().begin(), estimate.trajectory.samples().end());
       for (StampedPose& pose : poses_) pose.T.p += estimate.origin;
@@ -238,6 +306,25 @@ class ExternalRun {
       return false;
     }
     return true;
+  }
+
+  /// Keys of the file of poses; those that are written out go before what `format` and `frame` say.
+  std::vector<std::string> trajectory_keys() const {
+    std::vector<std::string> keys;
+    bool placed = false;
+    for (const std::string& written : options_.method.trajectory_set) {
+      std::string key = filled_in(written, places_);
+      placed =
+          placed || key.starts_with("frame=") || key.starts_with("T_imu_reference") || key.starts_with("lever_arm=");
+      constexpr std::string_view kTimes = "times=";
+      if (key.starts_with(kTimes) && fs::path(key.substr(kTimes.size())).is_relative()) {
+        key = std::string(kTimes) + (options_.output / key.substr(kTimes.size())).string();
+      }
+      keys.push_back(std::move(key));
+    }
+    if (!placed) keys.insert(keys.begin(), "frame=" + options_.method.frame);
+    if (options_.method.format != io::ReferenceFormat::automatic) keys.insert(keys.begin(), "format=" + format_name());
+    return keys;
   }
 
   std::string format_name() const {
@@ -293,6 +380,12 @@ class ExternalRun {
     } else if (fed_.truncated) {
       set(summary_, RunStatus::truncated, "the input ends inside its last record");
       summary_.bad_data = true;
+    } else if (poses_.front().t > fed_.end || poses_.back().t < fed_.begin) {
+      set(summary_, RunStatus::failed,
+          fmt::format(
+              "the poses have times {:.3f} to {:.3f} s, the recording {:.3f} to {:.3f} s: another clock or unit; "
+              "`trajectory_set` takes time_unit and time_offset",
+              to_seconds(poses_.front().t), to_seconds(poses_.back().t), to_seconds(fed_.begin), to_seconds(fed_.end)));
     } else if (summary_.coverage < kMinCoverage) {
       set(summary_, RunStatus::failed,
           fmt::format("poses cover {:.1f} % of the data, less than {:.0f} %", 100 * summary_.coverage,
@@ -375,7 +468,8 @@ ExternalSummary run_external(const ExternalOptions& options, const std::function
   absolute.output = fs::absolute(options.output).lexically_normal();
   create_folder(absolute.output);
   const auto lock = lock_output(absolute.output);
-  for (const char* file : kFiles) {
+  for (const std::string& file : files_of_a_run()) {
+    if (file == "method.yaml" || file == "log.txt") continue;  // of the study that called
     std::error_code ignored;
     fs::remove(absolute.output / file, ignored);
   }

@@ -125,6 +125,25 @@ Grid grid_of(Grid points, const std::vector<StudyAxisConfig>& axes, const std::s
   return points;
 }
 
+std::vector<std::string> made_later(const std::vector<std::string>& assignments) {
+  std::vector<std::string> keys;
+  for (const std::string& assignment : assignments) {
+    const bool later = assignment.find("{run:") != std::string::npos || assignment.find("{data}") != std::string::npos;
+    if (later) keys.push_back(assignment.substr(0, assignment.find_first_of(".=")));
+  }
+  return keys;
+}
+
+std::vector<std::string> with_seed(std::vector<std::string> assignments, std::uint64_t seed) {
+  constexpr std::string_view kSeed = "{seed}";
+  const std::string number = std::to_string(seed);
+  for (std::string& text : assignments) {
+    for (std::size_t at = text.find(kSeed); at != std::string::npos; at = text.find(kSeed, at + number.size()))
+      text.replace(at, kSeed.size(), number);
+  }
+  return assignments;
+}
+
 bool advance(const Grid& grid, std::vector<std::size_t>& at_axes) {
   for (std::size_t k = at_axes.size(); k-- > 0;) {
     if (++at_axes[k] < grid[k].size()) return true;

@@ -1,6 +1,7 @@
 #pragma once
 /// The axes of `vary`: what each of their points sets, and what tables call it.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,5 +32,10 @@ using Grid = std::vector<std::vector<AxisPoint>>;
 Grid grid_of(Grid points, const std::vector<StudyAxisConfig>& axes, const std::string& method);
 /// The next combination, the last axis fastest; false behind the last one.
 bool advance(const Grid& grid, std::vector<std::size_t>& at_axes);
+
+/// The stages that read what a run of the study makes: "window" for `window.file={run:as_lio_plus}/updates.csv`.
+std::vector<std::string> made_later(const std::vector<std::string>& assignments);
+/// What a scene sets, with the seed of the recording for {seed}.
+std::vector<std::string> with_seed(std::vector<std::string> assignments, std::uint64_t seed);
 
 }  // namespace aslio::experiment

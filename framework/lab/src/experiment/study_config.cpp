@@ -175,6 +175,8 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.groups("datasets", study.datasets, "the data, one table row per entry; required");
   b.groups("methods", study.methods, "the pipelines, one table column each; required");
   b.groups("vary", study.vary, "axes: every method is run at every combination of their points");
+  b.group("tune", study.tune,
+          "equal tuning: each pipeline is run with values drawn from a space, and the best ones become pipeline files");
   b.reals("order_seeds", study.order_seeds, 0, "", {.min = 0.0, .max = kMaxSeed},
           "seeds of `aslio run`: replicates over the same data");
   b.text("baseline", study.baseline, "method to compare the others with, where they name no other; empty: none");

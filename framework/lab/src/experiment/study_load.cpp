@@ -20,6 +20,7 @@
 #include "recording_identity.hpp"
 #include "study_axes.hpp"
 #include "study_differences.hpp"
+#include "study_tune.hpp"
 
 namespace aslio::experiment {
 
@@ -30,27 +31,6 @@ using config::Location;
 using config::Node;
 
 constexpr std::size_t kMaxMethods = 10'000;
-
-/// The stages that read what a run of the study makes: "window" for `window.file={run:as_lio_plus}/updates.csv`.
-std::vector<std::string> made_later(const std::vector<std::string>& assignments) {
-  std::vector<std::string> keys;
-  for (const std::string& assignment : assignments) {
-    const bool later = assignment.find("{run:") != std::string::npos || assignment.find("{data}") != std::string::npos;
-    if (later) keys.push_back(assignment.substr(0, assignment.find_first_of(".=")));
-  }
-  return keys;
-}
-
-/// What a scene sets, with the seed of the recording for {seed}.
-std::vector<std::string> with_seed(std::vector<std::string> assignments, std::uint64_t seed) {
-  constexpr std::string_view kSeed = "{seed}";
-  const std::string number = std::to_string(seed);
-  for (std::string& text : assignments) {
-    for (std::size_t at = text.find(kSeed); at != std::string::npos; at = text.find(kSeed, at + number.size()))
-      text.replace(at, kSeed.size(), number);
-  }
-  return assignments;
-}
 
 class Reader {
  public:
@@ -93,6 +73,7 @@ class Reader {
     } catch (const ConfigError& error) {
       wrong_keys_ = error.what();
       study_.config.vary.clear();
+      study_.config.tune.space.clear();
     }
   }
 
@@ -262,6 +243,7 @@ class Reader {
       points_.push_back(axis_points(axis));
       for (const std::string& column : axis_columns(axis)) study_.axes.push_back(column);
     }
+    if (study_.config.tune.given()) study_.axes.emplace_back(kCandidateColumn);
   }
 
   void lay_out_methods() {
@@ -273,13 +255,26 @@ class Reader {
         problems_.add(place("methods", i, "name"), fmt::format("'{}' {}", config.name, kNameRule));
         continue;
       }
-      const Grid grid = grid_of(points_, study_.config.vary, config.name);
+      Grid laid = grid_of(points_, study_.config.vary, config.name);
+      if (study_.config.tune.given() && !add_candidates(config, i, laid)) continue;
+      const Grid& grid = laid;
       std::vector<std::size_t> at_axes(grid.size(), 0);
       const std::size_t before = problems_.size();
       do {
         add_method(config, i, grid, at_axes);
       } while (problems_.size() == before && advance(grid, at_axes));
     }
+  }
+
+  /// False: the method cannot be tuned as the others are, which has been noted.
+  bool add_candidates(const StudyMethodConfig& config, std::size_t index, Grid& grid) {
+    const std::string problem = tuning_problem(study_, config);
+    if (problem.empty()) {
+      grid.push_back(candidate_points(study_, config));
+      return true;
+    }
+    problems_.add(place("methods", index, "name"), fmt::format("'{}' {}", config.name, problem));
+    return false;
   }
 
   void require_known_methods() {
@@ -297,7 +292,12 @@ class Reader {
     StudyMethod method;
     method.name = method.base = config.name;
     if (config.external.given()) {
-      method.external = placed_in(config.external, folder_);
+      try {
+        method.external = placed_in(config.external, folder_);
+      } catch (const ConfigError& error) {
+        add_problems(place("methods", index, "trajectory_set"), "", error.what());
+        return;
+      }
     } else {
       method.pipeline = at(config.pipeline);
     }
@@ -370,12 +370,23 @@ class Reader {
       method.resolved = loaded.resolved;
       method.paths = paths_in(method.resolved);
       study_.sources.emplace(method.pipeline, sha256_of_file(method.pipeline));
-      return true;
+      return require_other_data(method, index);
     } catch (const ConfigError& error) {
       add_problems(place("methods", index, study_.config.methods[index].set.is_map() ? "set" : "pipeline"),
                    fmt::format("method '{}': ", method.name), error.what());
       return false;
     }
+  }
+
+  /// False: it was tuned on what the study reports, which has been noted.
+  bool require_other_data(const StudyMethod& method, std::size_t index) {
+    if (study_.config.tune.given()) return true;
+    const std::vector<std::string> same = tuned_on(method.pipeline, study_.data);
+    if (same.empty()) return true;
+    problems_.add(place("methods", index, "pipeline"),
+                  fmt::format("method '{}': {} was tuned on {}, which this study reports: take other recordings",
+                              method.base, method.pipeline.string(), fmt::join(same, ", ")));
+    return false;
   }
 
   /// Methods named as {run:NAME}. One with axes is meant at the same values. False: there is none, which was noted.
@@ -391,6 +402,11 @@ class Reader {
           problems_.add(place("methods", index, "set"),
                         fmt::format("{{run:{}}}: no method of that name stands before '{}'; there are: {}", name,
                                     method.name, names_so_far()));
+          return false;
+        }
+        if (study_.methods[*used].external) {
+          problems_.add(place("methods", index, "set"),
+                        fmt::format("{{run:{}}}: a program of others leaves no file that a stage reads", name));
           return false;
         }
         if (study_.config.stop_when_diverged) {

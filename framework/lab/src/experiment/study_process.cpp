@@ -37,12 +37,6 @@ void append_descendants(pid_t id, std::vector<pid_t>& found) {
   }
 }
 
-std::vector<pid_t> family_of(pid_t id) {
-  std::vector<pid_t> all{id};
-  append_descendants(id, all);
-  return all;
-}
-
 /// Resident memory [MB], now and at most; 0 when the process is gone.
 struct Resident {
   double now_mb = 0, peak_mb = 0;
@@ -70,8 +64,11 @@ bool redirect(const char* path, int flags, int to) {
   sigset_t none;
   ::sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  if (command.own_group) ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // What this program ignores is its own matter: a pipe of others must break.
+  ::signal(SIGPIPE, SIG_DFL);
+  ::signal(SIGXFSZ, SIG_DFL);
+  if (!command.adopts) ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, command.when_left);
   const rlimit no_core{0, 0};  // a crash is a row, not a gigabyte
   ::setrlimit(RLIMIT_CORE, &no_core);
   if (::getppid() != parent) ::_exit(127);  // gone before it could be told
@@ -109,11 +106,12 @@ void wait_for(pid_t id) {
 }  // namespace
 
 ChildProcess::ChildProcess(const ChildCommand& command, Limits limits)
-    : own_group_(command.own_group), start_(std::chrono::steady_clock::now()), limits_(limits) {
+    : adopts_(command.adopts), start_(std::chrono::steady_clock::now()), limits_(limits) {
   std::vector<std::string> words = command.arguments;
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  if (adopts_) ::prctl(PR_SET_CHILD_SUBREAPER, 1);
   int report[2] = {-1, -1};
   if (::pipe2(report, O_CLOEXEC) != 0) complain(errno, command);
   const pid_t parent = ::getpid();
@@ -139,15 +137,36 @@ ChildProcess::~ChildProcess() {
   if (id_ < 0) return;
   kill();
   wait_for(id_);
+  if (adopts_) end_adopted();
 }
 
 double ChildProcess::wall_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
+std::vector<pid_t> ChildProcess::all() const {
+  std::vector<pid_t> found;
+  if (!adopts_) found.push_back(id_);
+  append_descendants(adopts_ ? ::getpid() : id_, found);
+  return found;
+}
+
+double ChildProcess::end_adopted() {
+  double cpu_s = 0;
+  while (true) {
+    std::vector<pid_t> left;
+    append_descendants(::getpid(), left);
+    for (const pid_t id : left) ::kill(id, SIGKILL);
+    rusage usage{};
+    const pid_t ended = ::wait4(-1, nullptr, 0, &usage);
+    if (ended < 0 && errno != EINTR) return cpu_s;
+    if (ended > 0) cpu_s += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  }
+}
+
 double ChildProcess::look_at_memory() {
   double sum = 0;
-  for (const pid_t id : family_of(id_)) {
+  for (const pid_t id : all()) {
     const Resident resident = resident_of(id);
     sum += resident.now_mb;
     peak_rss_mb_ = std::max(peak_rss_mb_, resident.peak_mb);
@@ -160,14 +179,15 @@ std::optional<ChildEnd> ChildProcess::poll() {
   int status = 0;
   rusage usage{};
   if (::wait4(id_, &status, WNOHANG, &usage) == id_) {
-    if (own_group_) ::kill(-id_, SIGKILL);  // what it has started and left behind
+    if (!adopts_) ::kill(-id_, SIGKILL);  // what it has started and left behind
+    const double adopted_s = adopts_ ? end_adopted() : 0;
     id_ = -1;
     const bool exited = WIFEXITED(status);
     ChildEnd end;
     end.cause = limit_ ? *limit_ : exited ? ChildEnd::Cause::exit : ChildEnd::Cause::signal;
     end.code = exited ? WEXITSTATUS(status) : WTERMSIG(status);
     end.wall_s = wall_s();
-    end.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    end.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime) + adopted_s;
     end.peak_rss_mb = peak_rss_mb_;  // ru_maxrss would be that of this process, if larger: it survives exec
     return end;
   }
@@ -186,10 +206,9 @@ void ChildProcess::interrupt() const {
 
 void ChildProcess::kill() const {
   if (id_ <= 0) return;
-  if (!own_group_) {
-    for (const pid_t id : family_of(id_)) ::kill(id, SIGKILL);
-    return;
-  }
+  // Those with a session of their own are in no group of ours.
+  for (const pid_t id : all()) ::kill(id, SIGKILL);
+  if (adopts_) return;
   ::kill(-id_, SIGKILL);
   ::kill(id_, SIGKILL);  // before it has a group of its own
 }

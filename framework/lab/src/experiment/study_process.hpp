@@ -17,7 +17,7 @@ struct ChildEnd {
   Cause cause = Cause::exit;
   int code = 0;  ///< exit code, or number of the signal
   double wall_s = 0;
-  double cpu_s = 0;        ///< of it and of what it started and waited for
+  double cpu_s = 0;        ///< of it and of what it started: what it waited for, and what was adopted
   double peak_rss_mb = 0;  ///< the largest of: all its processes together at a poll(), one of them alone
 };
 
@@ -27,8 +27,10 @@ struct ChildCommand {
   std::vector<std::string> arguments;  ///< the first one is the name by which it is called
   std::filesystem::path log;           ///< stdout and stderr
   std::filesystem::path folder = {};   ///< in which it works; empty: that of this process
-  /// With all it starts, apart from this process: who ends this one from outside does not reach it.
-  bool own_group = true;
+  /// This process becomes the parent of whatever the child leaves behind, and ends and counts it, too. It must have no
+  /// other children. False: the child has a process group of its own.
+  bool adopts = false;
+  int when_left = 9;  ///< signal to the child when this process ends: SIGKILL, or one that lets it end what it started
 };
 
 /// A program that ends with this process, however that ends. Ended and waited for at the latest when destroyed. stdin
@@ -57,9 +59,13 @@ class ChildProcess {
  private:
   double wall_s() const;
   double look_at_memory();
+  /// The child and all that it has started and that is still there.
+  std::vector<pid_t> all() const;
+  /// Ends what the child has left behind; the CPU time of it [s].
+  static double end_adopted();
 
   pid_t id_ = -1;
-  bool own_group_ = true;
+  bool adopts_ = false;
   double peak_rss_mb_ = 0;
   int descriptor_ = -1;
   std::chrono::steady_clock::time_point start_;

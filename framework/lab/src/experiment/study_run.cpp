@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -306,9 +307,11 @@ class Schedule {
 
   std::unique_ptr<ChildProcess> start(std::vector<std::string> arguments, const fs::path& log, double time_s) const {
     arguments.insert(arguments.begin(), "aslio");
-    return std::make_unique<ChildProcess>(
-        ChildCommand{.program = options_.executable, .arguments = std::move(arguments), .log = log},
-        ChildProcess::Limits{time_s, study_.config.memory_limit});
+    return std::make_unique<ChildProcess>(ChildCommand{.program = options_.executable,
+                                                       .arguments = arguments,
+                                                       .log = log,
+                                                       .when_left = arguments[1] == "external" ? SIGTERM : SIGKILL},
+                                          ChildProcess::Limits{time_s, study_.config.memory_limit});
   }
 
   /// Of `aslio run`, or of `aslio external` for a method that is not of this program: its file is put there.
@@ -373,9 +376,7 @@ class Schedule {
     }
     refuse_if_changed(sources_of(result_.runs[i]), [&] { fs::remove_all(ended.folder, error); });
     remove_parts(ended.folder);
-    const fs::path manifest = ended.folder / "manifest.json";
-    write_file(manifest, study_manifest(read_text(manifest), study_.data[ended.data], ended.command,
-                                        options_.program.substr(0, options_.program.find('\n'))));
+    leave_manifest(ended, outcome);
     write_outcome(ended.folder, result_.runs[i].key, outcome);
     // The data go before the last run that needed them has its name: a study that is killed in between makes the run
     // again, and one killed the other way round would never ask for these data, nor remove them.
@@ -385,6 +386,25 @@ class Schedule {
     fs::rename(ended.folder, folder, error);
     if (error) throw DataError(fmt::format("{}: cannot be put there: {}", folder.string(), error.message()));
     close_run(i, read_row(folder, outcome));
+  }
+
+  /// A program of others may have done anything to its folder.
+  void leave_manifest(const Active& ended, StudyOutcome& outcome) const {
+    const fs::path manifest = ended.folder / "manifest.json";
+    const std::string program = options_.program.substr(0, options_.program.find('\n'));
+    const auto write = [&] {
+      write_file(manifest, study_manifest(read_text(manifest), study_.data[ended.data], ended.command, program));
+    };
+    try {
+      write();
+    } catch (const std::exception& error) {
+      if (!study_.methods[result_.runs[*ended.run].method].external) throw;
+      outcome = {.status = "failed", .reason = fmt::format("the program has spoilt its folder: {}", error.what())};
+      std::error_code ignored;
+      fs::remove_all(ended.folder, ignored);
+      create_folder(ended.folder);
+      write();
+    }
   }
 
   void close_run(std::size_t i, StudyRow row) {

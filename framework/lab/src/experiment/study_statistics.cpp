@@ -195,7 +195,10 @@ std::string statistics_csv(const Study& study, const StudyFigures& figures) {
 std::vector<IdenticalMethods> identical_methods(const Study& study, const std::vector<StudyRun>& runs,
                                                 const std::vector<std::optional<StudyRow>>& rows) {
   std::vector<std::string> digests;
-  for (const auto& row : rows) digests.push_back(digest_of(row));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    // A trajectory that others have made does not tell of what differs.
+    digests.push_back(study.methods[runs[i].method].external ? std::string() : digest_of(rows[i]));
+  }
   const std::size_t methods = study.methods.size();
   // Runs come in groups over the same data with the same order seed, by method.
   const auto compared = [&](std::size_t a, std::size_t b) {
@@ -225,6 +228,7 @@ std::vector<std::string> identical_orders(const Study& study, const std::vector<
                                           const std::vector<std::optional<StudyRow>>& rows) {
   std::vector<std::string> out;
   for (std::size_t m = 0; m < study.methods.size(); ++m) {
+    if (study.methods[m].external) continue;
     std::vector<std::vector<std::string>> digests(study.data.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
       std::string digest = runs[i].method == m ? digest_of(rows[i]) : std::string();

@@ -8,6 +8,7 @@
 #include "aslio/experiment/study_results.hpp"
 #include "aslio/experiment/study_statistics.hpp"
 #include "aslio/io/writers.hpp"
+#include "study_tune.hpp"
 
 namespace aslio::experiment {
 
@@ -211,6 +212,7 @@ void write_study_tables(const Study& study, const std::vector<StudyRun>& runs,
   write("statistics.csv", statistics_csv(study, StudyFigures(study, runs, rows)));
   write("table.md", results_markdown(study, runs, rows));
   write("study.json", study_json(study, runs, rows));
+  if (study.config.tune.given()) write_tuning(study, runs, rows, output);
 }
 
 }  // namespace aslio::experiment

@@ -39,6 +39,8 @@ struct ExternalMethod {
   bool automatic_points = true;                    ///< Livox's message for a Livox, else that of velodyne_pointcloud
   std::string engine;                              ///< docker, apptainer, or empty: no container
   std::string image;                               ///< of the container
+  std::vector<std::string> engine_options;         ///< words for it
+  std::string folder;                              ///< {here}, once it is known; no key
   std::vector<double> exit_codes{0};               ///< with which the program has done its work
 
   bool given() const { return !command.empty() || !trajectory.empty(); }
@@ -62,25 +64,31 @@ struct ExternalPlaces {
   std::string seed;                         ///< order seed of the run
 };
 
-/// Words with their places filled in. Throws ConfigError for a topic that is not known.
+/// Words with their places filled in. Throws ConfigError for a topic that is not known, and for {bag} inside a word
+/// where there are several.
 std::vector<std::string> filled_in(const std::vector<std::string>& words, const ExternalPlaces& places);
 std::string filled_in(const std::string& text, const ExternalPlaces& places);
 
-/// The first {name} that is no place; empty: there is none. `text`: a word.
+/// The first {name} that is near to a place and none of them, or {run:..}; empty: there is none. `text`: a word.
 std::string unknown_place(std::string_view text);
 
-/// A method of a file in `folder`: {here} replaced by it, a program with a slash in its name and a finished trajectory
-/// made paths of the caller's folder.
+/// A method of a file in `folder`: {here} replaced by it, a program with a slash in its name, a finished trajectory
+/// with its times, and an image that lies there made absolute. Throws ConfigError for keys in trajectory_set that are
+/// wrong.
 ExternalMethod placed_in(ExternalMethod method, const std::filesystem::path& folder);
 
 /// YAML text (`schema: aslio/external/1`) with every key, and back. Throws ConfigError with all that is wrong.
 std::string resolved_text(const ExternalMethod& method);
 ExternalMethod load_external_method(const std::filesystem::path& file);
 
-/// The command as it is started: in its container, if it has one. `words`: filled in; `read`: folders that it reads.
+/// The command as it is started: in its container, if it has one, which is called `name`. `words`: filled in; `read`:
+/// folders that it reads. Throws ConfigError for a folder that no container can be given.
 std::vector<std::string> in_container(const ExternalMethod& method, std::vector<std::string> words,
-                                      const std::filesystem::path& output,
-                                      const std::vector<std::filesystem::path>& read);
+                                      const std::filesystem::path& output, std::vector<std::filesystem::path> read,
+                                      const std::string& name);
+
+/// Names of what `aslio external` leaves in the folder of a run.
+const std::vector<std::string>& files_of_a_run();
 
 /// Files of this machine that decide what a run does: the program, files among its words, a finished trajectory.
 std::vector<std::filesystem::path> files_of(const ExternalMethod& method, const ExternalPlaces& places);

@@ -73,6 +73,29 @@ struct StudyExpectationConfig {
   static void describe(config::Binder& b, StudyExpectationConfig& rule);
 };
 
+enum class TuneScale : std::uint8_t { linear, log };
+
+/// One parameter of the space of `tune`: a path with a range or a list of values.
+struct StudyTuneParameterConfig {
+  std::string path;
+  std::vector<double> range;  ///< lowest and highest
+  TuneScale scale = TuneScale::linear;
+  bool whole = false;
+  config::Node values;               ///< list, in place of a range
+  std::vector<std::string> methods;  ///< that have it; empty: all pipelines
+  static void describe(config::Binder& b, StudyTuneParameterConfig& parameter);
+};
+
+/// Equal tuning: every pipeline gets as many runs over the same recordings, with values drawn from the same space.
+struct StudyTuneConfig {
+  std::vector<StudyTuneParameterConfig> space;  ///< empty: the study does not tune
+  std::int64_t budget = 40;                     ///< runs for each method
+  std::string objective = "ate_m";              ///< geometric mean over recordings; smaller is better
+  std::int64_t seed = 1;                        ///< of the draws
+  bool given() const { return !space.empty(); }
+  static void describe(config::Binder& b, StudyTuneConfig& tune);
+};
+
 /// Study file (`schema: aslio/study/1`) as written. Paths are relative to the folder of the file.
 struct StudyConfig {
   std::string question, prediction, rule;
@@ -80,6 +103,7 @@ struct StudyConfig {
   std::vector<StudyDataConfig> datasets;
   std::vector<StudyMethodConfig> methods;
   std::vector<StudyAxisConfig> vary;
+  StudyTuneConfig tune;
   std::vector<double> order_seeds{0.0};
   std::string baseline;
   std::vector<std::string> differs;  ///< those of every method
