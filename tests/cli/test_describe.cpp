@@ -62,5 +62,5 @@ TEST_CASE("describe gives the keys of any file as Markdown") {
   CHECK_THAT(run_aslio({"describe", "scene", "--markdown"}).out, Contains("\n## world of type garage\n\n| key |"));
   const Ended wrong = run_aslio({"describe", "scenery"});
   CHECK(wrong.code == 2);
-  CHECK_THAT(wrong.err, Contains("'scene' or 'study'"));
+  CHECK_THAT(wrong.err, Contains("'study' or 'external'"));
 }

@@ -128,11 +128,29 @@ TEST_CASE("an unknown option is named, with the nearest, before what is missing"
 }
 
 TEST_CASE("a pipeline that does not exist is answered by those that do") {
-  const Ended ended = run_aslio({"run", "as_lio"});
+  const Ended ended = run_aslio({"run", "as_loi"});
   CHECK(ended.code == 2);
-  CHECK_THAT(ended.err, Contains("as_lio: no such file (did you mean ") &&
+  CHECK_THAT(ended.err, Contains("as_loi: no such file (did you mean ") &&
                             Contains("configs/pipelines/as_lio.yaml?)") && Contains("as_lio_plus_fast, "));
   CHECK_THAT(run_aslio({"run", "frobnicate.yaml"}).err, Contains("frobnicate.yaml: no such file; pipelines in "));
+}
+
+TEST_CASE("what comes with the program is known by its name, and as it lies in a clone") {
+  const Bench bench;
+  for (const char* pipeline : {"fixed_window", "configs/pipelines/fixed_window.yaml"}) {
+    INFO(pipeline);
+    const Ended ended =
+        run_aslio({"run", pipeline, "--input", bench / "none.bag", "--sensor", "livox_avia", "--output", bench / "o"});
+    CHECK(ended.code == 2);
+    CHECK_THAT(ended.err, Contains("none.bag") && !Contains("no such file;") && !Contains("fixed_window"));
+  }
+  CHECK_THAT(run_aslio({"simulate", "quikstart", "--output", bench / "o"}).err,
+             Contains("did you mean ") && Contains("configs/scenes/quickstart.yaml?)"));
+  write_text(bench / "some.bag", "no bag");
+  CHECK_THAT(
+      run_aslio({"run", "as_lio", "--input", bench / "some.bag", "--sensor", "livox_avai", "--output", bench / "o"})
+          .err,
+      Contains("configs/sensors/livox_avia.yaml?)"));
 }
 
 TEST_CASE("a trajectory.tum that is not of a run is not replaced") {

@@ -1,10 +1,13 @@
 // eq. FRM-6.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "aslio/core/angles.hpp"
 #include "aslio/experiment/frame_check.hpp"
+#include "aslio/experiment/truth.hpp"
 
 using namespace aslio;
 using experiment::FindingKind;
@@ -107,6 +110,50 @@ TEST_CASE("a reversed axis names the key with all its signs") {
   const auto acc = contradiction(judged(m));
   CHECK(acc.key == "acc_signs");
   CHECK(acc.value == "[1, 1, -1]");
+}
+
+TEST_CASE(
+    "two reversed axes of gyro and accelerometer, or of a gyro that a reference finds right, are a turned LiDAR") {
+  FrameMeasurement m = agreeing();
+  m.gyro_lidar.signs = Vec3(1, -1, -1);
+  m.gyro_lidar.R_A_B = exp_so3(Vec3(0, 0, 0.3));
+  // Of the gyro alone they may be its own.
+  CHECK(judged(m).findings.front().key == "gyro_signs");
+  m.force_lidar.signs = Vec3(1, -1, -1);
+  const auto by_force = contradiction(judged(m));
+  CHECK(by_force.key == "T_imu_lidar");
+  CHECK_THAT(by_force.text, Catch::Contains("off by 180 deg: the files have none"));
+  m.force_lidar.signs = Vec3(1, 1, 1);
+  m.has_reference = m.reference_has_rotation = true;
+  m.gyro_reference.turns = 100;
+  m.gyro_reference.covariance = m.gyro_lidar.covariance;
+  m.lidar_reference.problem = m.force_reference.problem = "not looked at";
+  const Mat3 R = Vec3(1, -1, -1).asDiagonal() * m.gyro_lidar.R_A_B.transpose();
+  const experiment::Truth truth;
+  const FrameCheck check = experiment::judge_frames(m, io::SensorConfig{}, &truth, {});
+  const auto by_reference = contradiction(check);
+  CHECK(by_reference.key == "T_imu_lidar");
+  CHECK_THAT(by_reference.value, Catch::Contains(fmt::format("{:.4f}", R(0, 1)).substr(0, 5)));
+  // No figure of a fit with a wrong rotation is given.
+  CHECK_THAT(experiment::render(check), !Catch::Contains("measured"));
+}
+
+TEST_CASE("a delay of the IMU's filter that a reference sees, too, is no offset of the LiDAR's clock") {
+  FrameMeasurement m = agreeing();
+  m.gyro_lidar.delay = 0.0036;
+  m.has_reference = m.reference_has_rotation = true;
+  m.gyro_reference.turns = 100;
+  m.gyro_reference.covariance = m.gyro_lidar.covariance;
+  m.gyro_reference.delay = 0.002;
+  m.gyro_reference.sigma_delay = 0.0002;
+  m.lidar_reference.problem = m.force_reference.problem = "not looked at";
+  const experiment::Truth truth;
+  const FrameCheck right = experiment::judge_frames(m, io::SensorConfig{}, &truth, {});
+  INFO(experiment::render(right));
+  CHECK_FALSE(right.contradicts());
+  CHECK_THAT(experiment::render(right), Catch::Contains("early by 3.6") && Catch::Contains("early by 1.6"));
+  m.gyro_lidar.delay = 0.007;
+  CHECK(experiment::judge_frames(m, io::SensorConfig{}, &truth, {}).contradicts());
 }
 
 TEST_CASE("a rotation is wrong when it is beyond what the axes of a gyro may be off") {

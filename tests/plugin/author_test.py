@@ -148,7 +148,6 @@ class Author(unittest.TestCase):
             (("windows/my_window", "file"), 2, "file: exists already"),
             (("windows/my_window", "none/new"), 2, "no such folder to make 'new' in"),
             (("windows/my_window", "/proc/new"), 2, "/proc/new: cannot be made"),
-            (("windows/my_window",), 2, "DIR is required"),
         ]
         before = sorted(p.name for p in self.root.iterdir())
         for arguments, code, message in cases:

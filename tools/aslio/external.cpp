@@ -94,7 +94,7 @@ Command add_external(CLI::App& root, const std::vector<std::string>& command_lin
   app->footer(
       "Writes trajectory.tum, trajectory_lidar.tum, program.log, summary.json, resolved.yaml and manifest.json.\n\n"
       "Example:\n"
-      "  aslio external rko_lio.yaml --dataset out/quickstart/data --output out/rko_lio");
+      "  aslio external rko_lio.yaml --dataset out/indoor_1 --output out/rko_lio");
   return {app, [=] { return run_method(*a, command_line); }};
 }
 

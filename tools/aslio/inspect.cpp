@@ -90,7 +90,7 @@ Command add_inspect(CLI::App& root) {
       "Exits with 3 when a run could not use the recording, or when it is truncated. With --check, exits with 4 when "
       "the data contradict the files.\n\n"
       "Example:\n  aslio inspect corridor.bag --sensor configs/sensors/livox_avia.yaml\n"
-      "  aslio inspect --dataset out/quickstart/data --check");
+      "  aslio inspect --dataset out/indoor_1 --check");
   return {app, [=] { return inspect(*arguments, *app); }};
 }
 

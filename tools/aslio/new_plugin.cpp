@@ -168,7 +168,8 @@ fs::path new_folder(const std::string& directory) {
 
 int new_plugin(const NewPluginArguments& a) {
   const Names names = names_of(a.stage, load_stages({}).catalog);
-  const fs::path folder = new_folder(a.directory);
+  const std::string directory = a.directory.empty() ? names.type : a.directory;
+  const fs::path folder = new_folder(directory);
   const fs::path templates = data_path("templates/plugin");
   const fs::path pipeline = data_path("configs/pipelines/as_lio_plus.yaml");
   if (!fs::is_directory(templates / names.family)) {
@@ -186,7 +187,7 @@ int new_plugin(const NewPluginArguments& a) {
   print(
       fmt::format("{}: the stage {}/{}; its README.md has the commands. First:\n"
                   "  cmake -S {} -B {}/build && cmake --build {}/build && ctest --test-dir {}/build\n",
-                  folder.string(), names.family, names.type, a.directory, a.directory, a.directory, a.directory));
+                  folder.string(), names.family, names.type, directory, directory, directory, directory));
   return kSuccess;
 }
 
@@ -197,7 +198,7 @@ Command add_new_plugin(CLI::App& root) {
                                       "Writes a project for a stage of your own: source, build, contract test, study.");
   auto arguments = std::make_shared<NewPluginArguments>();
   app->add_option("FAMILY/NAME", arguments->stage, "what to write, for example windows/my_window")->required();
-  app->add_option("DIR", arguments->directory, "the folder to make; it may not exist")->required();
+  app->add_option("DIR", arguments->directory, "the folder to make; it may not exist; by default NAME");
   app->footer("Example:\n  aslio new-plugin windows/my_window my_window");
   return {app, [=] { return new_plugin(*arguments); }};
 }

@@ -80,22 +80,29 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-CLI::Validator existing_pipeline() {
-  return {[](std::string& text) {
+CLI::Validator shipped_file(std::string kind) {
+  return {[kind = std::move(kind)](std::string& text) {
             namespace fs = std::filesystem;
             std::error_code ignored;
             if (fs::is_regular_file(text, ignored)) return std::string();
             if (fs::exists(text, ignored)) return fmt::format("{}: not a file", text);
-            const fs::path folder = data_path("configs/pipelines");
+            const fs::path folder = data_path("configs/" + kind);
             std::vector<std::string> names;
             for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().stem());
             std::sort(names.begin(), names.end());
-            const std::string asked = fs::path(text).stem();
-            const bool known = std::binary_search(names.begin(), names.end(), asked);
-            const std::string near = known ? asked : nearest_name(asked, names);
+            // By its name, or as it lies in a clone of the project.
+            const fs::path asked = text;
+            const std::string name = asked.stem().string();
+            const bool named = asked == asked.filename() || asked.parent_path() == fs::path("configs") / kind;
+            if (named && std::binary_search(names.begin(), names.end(), name)) {
+              text = (folder / (name + ".yaml")).string();
+              return std::string();
+            }
+            const bool known = std::binary_search(names.begin(), names.end(), name);
+            const std::string near = known ? name : nearest_name(name, names);
             return fmt::format(
-                "{}: no such file{}; pipelines in {}: {}", text,
-                near.empty() ? "" : fmt::format(" (did you mean {}?)", (folder / (near + ".yaml")).string()),
+                "{}: no such file{}; {} in {}: {}", text,
+                near.empty() ? "" : fmt::format(" (did you mean {}?)", (folder / (near + ".yaml")).string()), kind,
                 folder.string(), fmt::join(names, ", "));
           },
           ""};

@@ -17,8 +17,9 @@ CLI::Validator one_of(std::string_view what, std::vector<std::string> names);
 /// A whole number in [min, max] without sign.
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 
-/// A pipeline file that exists; where there is none of that name, the message lists those that come with the program.
-CLI::Validator existing_pipeline();
+/// A file that exists, or one of those in `configs/KIND` that come with the program, by its name (`as_lio_plus`) or as it
+/// lies in a clone (`configs/pipelines/as_lio_plus.yaml`). Where there is none, the message lists what there is.
+CLI::Validator shipped_file(std::string kind);
 
 /// "unknown option '--ouput' (did you mean '--output'?)" for what `app` did not know; `extras`: those words.
 std::string unknown_options(const CLI::App& app, const std::vector<std::string>& extras);

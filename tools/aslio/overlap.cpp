@@ -130,7 +130,7 @@ int score(const OverlapArguments& a, const CLI::App& app) {
 void add_options(CLI::App& app, OverlapArguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1) with the overlap to score")
       ->required()
-      ->check(CLI::ExistingFile);
+      ->check(shipped_file("pipelines"));
   add_recording_options(app, a.recording);
   app.add_option("--trajectory", a.trajectory, "poses of the IMU (TUM); default: the reference of the dataset")
       ->check(CLI::ExistingFile);
@@ -161,7 +161,7 @@ Command add_overlap(CLI::App& root) {
   add_options(*app, *arguments);
   app->footer(
       "Example:\n"
-      "  aslio overlap configs/pipelines/as_lio_plus.yaml --dataset out/quickstart/data --output out/overlap.csv "
+      "  aslio overlap configs/pipelines/as_lio_plus.yaml --dataset out/indoor_1 --output out/overlap.csv "
       "--set overlap.voxel=0.2 --position-error 0.02 --rotation-error 0.3");
   return {app, [=] { return score(*arguments, *app); }};
 }

@@ -44,7 +44,8 @@ std::optional<ParseBinder::StageChoice> ParseBinder::choose(const Node* node, st
     const std::string near = nearest(name, types);
     problems_.add(type != nullptr ? type->at() : here,
                   quoted_path(key) + " names unknown type " + quote(name) + " of " + std::string(family) +
-                      (near.empty() ? "" : " (did you mean '" + near + "'?)") + "; " + there_are);
+                      (near.empty() ? "" : " (did you mean '" + near + "'?)") + "; " + there_are +
+                      ". A stage of a plugin needs --plugin FILE.so, or its folder in ASLIO_PLUGIN_PATH");
     return std::nullopt;
   }
   return StageChoice{entry, node != nullptr && node->is_map() ? *node : Node::map({}, here)};

@@ -34,12 +34,13 @@ class Judge {
 
   void run() {
     axes_of_gyro_off_ = gyro_axes_are_off();
+    turned_ = lidar_is_turned();
     judge_signs();
     sign_is_wrong_ = check_.contradicts();
-    judge_gyro_lidar();
+    if (!turned_) judge_gyro_lidar();
     judge_clocks();
     judge_rest();
-    judge_force_lidar();
+    if (!turned_) judge_force_lidar();
     if (m_.has_reference) judge_reference();
     if (!m_.has_reference) {
       say(FindingKind::undetermined, "reference", "there is none: T_imu_reference, its lever arm and its clock");
@@ -67,19 +68,45 @@ class Judge {
 
   double gyro_axes() const { return sensor_.gyro_sensitivity.isZero(0) ? kGyroAxes : kGyroAxesCalibrated; }
 
+  /// "axis x measures", "axes x and y measure".
   static std::string reversed_axes(const Vec3& signs) {
     std::string text;
     for (int i = 0; i < 3; ++i) {
       if (signs[i] < 0) text += std::string(text.empty() ? "" : " and ") + kAxis[static_cast<std::size_t>(i)];
     }
-    return text;
+    const bool one = (signs.array() < 0).count() == 1;
+    return fmt::format("{} {} {}", one ? "axis" : "axes", text, one ? "measures" : "measure");
   }
 
   static std::string signs_value(const std::array<double, 3>& now, const Vec3& found) {
     return fmt::format("[{:g}, {:g}, {:g}]", now[0] * found[0], now[1] * found[1], now[2] * found[2]);
   }
 
+  /// Two reversed axes are half a turn: of the LiDAR where something else finds no fault with the gyro, or the same
+  /// with the accelerometer.
+  bool lidar_is_turned() const {
+    const auto &lidar = m_.gyro_lidar, &reference = m_.gyro_reference;
+    if (!lidar.problem.empty() || lidar.signs.sum() != -1) return false;
+    const bool by_reference = m_.reference_has_rotation && reference.problem.empty() && reference.turns > 0;
+    if (by_reference) return (reference.signs.array() > 0).all();
+    const auto& force = m_.force_lidar;
+    return force.problem.empty() && force.pieces > 0 && force.signs == lidar.signs;
+  }
+
+  void say_turned_lidar() {
+    const auto& fit = m_.gyro_lidar;
+    const Pose& declared = sensor_.model.T_imu_lidar;
+    const Mat3 R = fit.signs.asDiagonal() * fit.R_A_B.transpose();
+    say(FindingKind::contradicts, "LiDAR against gyro",
+        fmt::format("the rotation of T_imu_lidar is off by {:.0f} deg{}",
+                    kDegPerRad * log_so3(R * declared.R.transpose()).norm(),
+                    declared.R.isIdentity(0) ? ": the files have none" : ""),
+        "T_imu_lidar", pose_of({R, declared.p}));
+    say(FindingKind::undetermined, "accelerometer signs", "and the lever arm: check again with the right rotation");
+  }
+
   void judge_signs() {
+    if (turned_) return say_turned_lidar();
     const auto& rotation = m_.gyro_lidar;
     if (!rotation.problem.empty()) {
       // Poses of a reference know the signs as well.
@@ -94,8 +121,8 @@ class Judge {
     } else {
       const bool two = gyro.sum() == -1;
       say(FindingKind::contradicts, "gyro signs",
-          fmt::format("axis {} measures the other way round{}", reversed_axes(gyro),
-                      two ? "; or the LiDAR is turned by 180 deg about the third axis" : ""),
+          fmt::format("{} the other way round{}", reversed_axes(gyro),
+                      two ? "; or T_imu_lidar is off by half a turn about the other axis" : ""),
           "gyro_signs", signs_value(sensor_.gyro_signs, gyro));
     }
     judge_acc_signs();
@@ -122,8 +149,7 @@ class Judge {
     }
     if ((signs.array() < 0).any()) {
       return say(FindingKind::contradicts, "accelerometer signs",
-                 fmt::format("axis {} measures the other way round; scale against the motion: {}", reversed_axes(signs),
-                             scales),
+                 fmt::format("{} the other way round; scale against the motion: {}", reversed_axes(signs), scales),
                  "acc_signs", signs_value(sensor_.acc_signs, signs));
     }
     if (!known.isZero()) {
@@ -179,6 +205,11 @@ class Judge {
     }
   }
 
+  /// "late by 3.2 +- 0.1 ms".
+  static std::string late_by(double late, double sigma) {
+    return fmt::format("{} by {:.1f} +- {:.1f} ms", late < 0 ? "early" : "late", 1e3 * std::abs(late), 1e3 * sigma);
+  }
+
   /// [Hz], infinite where there are no samples to count.
   double imu_rate() const {
     const auto& imu = m_.motion.imu;
@@ -190,26 +221,30 @@ class Judge {
     const auto& fit = m_.gyro_lidar;
     if (!fit.problem.empty()) return;
     const double d = fit.delay, sigma = std::hypot(fit.sigma_delay, kDelayFloor);
-    const std::string value = fmt::format("{:.1f} +- {:.1f} ms", -1e3 * d, 1e3 * sigma);
+    const std::string value = late_by(-d, sigma);
     if (std::abs(d) < kDelayTolerated || std::abs(d) < 3 * sigma) {
       return say(FindingKind::agrees, "LiDAR and IMU clocks",
-                 fmt::format("the LiDAR's times are late by {}; filters of an IMU look the same", value));
+                 fmt::format("the LiDAR's times are {}; filters of an IMU look the same", value));
     }
     if (imu_rate() < kDelayRate) {
-      return say(
-          FindingKind::undetermined, "LiDAR and IMU clocks",
-          fmt::format("the LiDAR's times would be late by {}; an IMU of {:.1f} Hz cannot tell", value, imu_rate()));
+      return say(FindingKind::undetermined, "LiDAR and IMU clocks",
+                 fmt::format("the LiDAR's times would be {}; an IMU of {:.1f} Hz cannot tell", value, imu_rate()));
     }
     if (name_stamp(d, sigma, value)) return;
     const bool reference_knows = m_.has_reference && m_.gyro_reference.problem.empty() && m_.gyro_reference.turns > 0;
     const double imu_off = reference_knows ? m_.gyro_reference.delay : 0;
+    if (reference_knows && std::abs(imu_off) < kDelayTolerated && std::abs(d - imu_off) < kDelayTolerated) {
+      return say(FindingKind::agrees, "LiDAR and IMU clocks",
+                 fmt::format("the LiDAR's times are {} against the IMU's, and {} against the reference's", value,
+                             late_by(imu_off - d, sigma)));
+    }
     if (reference_knows && std::abs(imu_off) < kDelayTolerated) {
       return say(FindingKind::contradicts, "LiDAR and IMU clocks",
-                 fmt::format("the LiDAR's times are late by {}; IMU and reference agree", value), "lidar_time_offset",
+                 fmt::format("the LiDAR's times are {}; IMU and reference agree", value), "lidar_time_offset",
                  fmt::format("{:.4f}", sensor_.times.lidar_time_offset + d));
     }
     say(FindingKind::contradicts, "LiDAR and IMU clocks",
-        fmt::format("the LiDAR's times are late by {} against the IMU's{}", value,
+        fmt::format("the LiDAR's times are {} against the IMU's{}", value,
                     reference_knows ? ", the reference's as well" : "; which clock is right, they cannot tell"),
         "imu_time_offset", fmt::format("{:.4f}", sensor_.times.imu_time_offset - d));
   }
@@ -230,7 +265,7 @@ class Judge {
       if (is.moment == taken || std::abs(d + (is.moment - taken) * period) > within) continue;
       if (std::abs((is.moment - taken) * period) < 0.02) continue;
       say(FindingKind::contradicts, "LiDAR stamps",
-          fmt::format("the LiDAR's times are late by {}: its stamps are those of the {} of a sweep of {:.0f} ms", value,
+          fmt::format("the LiDAR's times are {}: its stamps are those of the {} of a sweep of {:.0f} ms", value,
                       is.name, 1e3 * period),
           "lidar_stamp", is.name);
       return true;
@@ -312,8 +347,7 @@ class Judge {
     const Difference d = difference(point - truth_->point, covariance, kShiftBound, kPointTolerated);
     report_shift(d, subject, "lever_arm", list_of(point, 3));
     const double sigma = std::hypot(fit.sigma_delay, kDelayFloor), off = fit.delay;
-    const std::string text = fmt::format("the reference's times are late by {:.1f} +- {:.1f} ms against the LiDAR's",
-                                         1e3 * off, 1e3 * sigma);
+    const std::string text = fmt::format("the reference's times are {} against the LiDAR's", late_by(off, sigma));
     const bool wrong = std::abs(off) > kPointDelayTolerated && std::abs(off) > 4 * sigma;
     say(wrong ? FindingKind::contradicts : FindingKind::agrees, "reference and LiDAR clocks", text,
         wrong ? "reference.time_offset" : "", wrong ? fmt::format("{:.4f}", truth_->spec.time_offset - off) : "");
@@ -330,17 +364,17 @@ class Judge {
       reference_turned_ = turn.contradicts;
     }
     const double d = gyro.delay, sigma = std::hypot(gyro.sigma_delay, kDelayFloor);
-    const std::string value = fmt::format("{:.1f} +- {:.1f} ms", -1e3 * d, 1e3 * sigma);
+    const std::string value = late_by(-d, sigma);
     const bool lidar_agrees_with_imu = m_.gyro_lidar.problem.empty() && std::abs(m_.gyro_lidar.delay) < kDelayTolerated;
     if (std::abs(d) < kDelayTolerated || std::abs(d) < 3 * sigma) {
-      say(FindingKind::agrees, "reference and IMU clocks", fmt::format("the reference's times are late by {}", value));
+      say(FindingKind::agrees, "reference and IMU clocks", fmt::format("the reference's times are {}", value));
     } else if (lidar_agrees_with_imu || !m_.gyro_lidar.problem.empty()) {
       say(FindingKind::contradicts, "reference and IMU clocks",
-          fmt::format("the reference's times are late by {} against the IMU's", value), "reference.time_offset",
+          fmt::format("the reference's times are {} against the IMU's", value), "reference.time_offset",
           fmt::format("{:.4f}", truth_->spec.time_offset + d));
     } else {
       say(FindingKind::note, "reference and IMU clocks",
-          fmt::format("the reference's times are late by {} against the IMU's, and so are the LiDAR's", value));
+          fmt::format("the reference's times are {} against the IMU's, and so are the LiDAR's", value));
     }
     judge_reference_lever(declared);
   }
@@ -381,7 +415,7 @@ class Judge {
 
   /// The extrinsic by all that tells of it, weighed by covariances, as a difference to that of the files.
   void fuse() {
-    if (!m_.gyro_lidar.problem.empty()) return;
+    if (!m_.gyro_lidar.problem.empty() || turned_) return;
     Mat6 information = Mat6::Zero();
     Vec6 sum = Vec6::Zero();
     const Mat3 by_gyro = gyro_covariance_.inverse();
@@ -424,6 +458,7 @@ class Judge {
   Mat3 gyro_covariance_ = Mat3::Identity(), force_covariance_ = Mat3::Identity();
   Vec6 pose_off_ = Vec6::Zero();
   Mat6 pose_covariance_ = Mat6::Identity();
+  bool turned_ = false;  ///< the LiDAR, by half a turn
   bool sign_is_wrong_ = false, axes_of_gyro_off_ = false, reference_turned_ = false, reference_shifted_ = false;
 };
 
