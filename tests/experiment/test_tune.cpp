@@ -83,7 +83,7 @@ TEST_CASE("tune: what is wrong with a space is reported with its place") {
   CHECK_THAT(complaint("{path: estimator.sgima, range: [0.01, 0.1]}"), Contains("sgima") && Contains("a_t001"));
 }
 
-TEST_CASE("tune: fewer failures win, then the smaller geometric mean; an unfinished method has no winner") {
+TEST_CASE("tune: fewer failures win, then the smaller geometric mean, and an unfinished method has no winner") {
   const StudyFiles files;
   const Study study = files.load(head() + kTwoScenes + "methods:\n" + method("a", "fixed_window") +
                                  space("{path: estimator.sigma, range: [0.01, 0.1]}", 9));

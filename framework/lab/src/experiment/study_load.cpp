@@ -20,6 +20,7 @@
 #include "recording_identity.hpp"
 #include "study_axes.hpp"
 #include "study_differences.hpp"
+#include "study_methods.hpp"
 #include "study_tune.hpp"
 
 namespace aslio::experiment {
@@ -317,11 +318,12 @@ class Reader {
       problems_.add(place("vary", 0, "values"), fmt::format("more than {} methods in the grid", kMaxMethods));
       return;
     }
-    if (!valid_name(method.name) || find_method(method.name)) {
+    if (!valid_name(method.name) || find_method(study_, method.name)) {
       problems_.add(
           place("methods", index, "name"),
-          fmt::format("'{}' {}", method.name,
-                      find_method(method.name) ? "is the name of two methods: name one of them otherwise" : kNameRule));
+          fmt::format(
+              "'{}' {}", method.name,
+              find_method(study_, method.name) ? "is the name of two methods: name one of them otherwise" : kNameRule));
       return;
     }
     if (resolve(method, index) && find_uses(method, index)) study_.methods.push_back(std::move(method));
@@ -397,11 +399,11 @@ class Reader {
            begin = assignment.find(kOpen, begin + 1)) {
         const std::size_t end = assignment.find('}', begin);
         const std::string name = assignment.substr(begin + kOpen.size(), end - begin - kOpen.size());
-        const auto used = find_variant(name, method.axes);
+        const auto used = find_variant(study_, name, method.axes);
         if (end == std::string::npos || !used) {
           problems_.add(place("methods", index, "set"),
                         fmt::format("{{run:{}}}: no method of that name stands before '{}'; there are: {}", name,
-                                    method.name, names_so_far()));
+                                    method.name, method_names(study_)));
           return false;
         }
         if (study_.methods[*used].external) {
@@ -423,29 +425,6 @@ class Reader {
     return true;
   }
 
-  std::optional<std::size_t> find_method(const std::string& name) const {
-    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      if (study_.methods[i].name == name) return i;
-    }
-    return std::nullopt;
-  }
-
-  /// The method of this name, or the variant of the method of this name at the same values of all axes.
-  std::optional<std::size_t> find_variant(const std::string& name, const std::vector<std::string>& axes) const {
-    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      if (study_.methods[i].base == name && study_.methods[i].axes == axes) return i;
-    }
-    return find_method(name);
-  }
-
-  std::string names_so_far() const {
-    std::vector<std::string> names;
-    for (const StudyMethod& method : study_.methods) {
-      if (std::find(names.begin(), names.end(), method.base) == names.end()) names.push_back(method.base);
-    }
-    return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
-  }
-
   void find_baselines() {
     study_.baseline.assign(study_.methods.size(), std::nullopt);
     if (problems_.size() > 0) return;
@@ -454,10 +433,10 @@ class Reader {
       const std::string& own = study_.config.methods[entry].baseline;
       const std::string& name = own.empty() ? study_.config.baseline : own;
       if (name.empty()) continue;
-      const auto base = find_variant(name, study_.methods[i].axes);
+      const auto base = find_variant(study_, name, study_.methods[i].axes);
       if (!base) {
         problems_.add(own.empty() ? root_.find("baseline")->value.at() : place("methods", entry, "baseline"),
-                      fmt::format("'baseline' names no method: '{}'; there are: {}", name, names_so_far()));
+                      fmt::format("'baseline' names no method: '{}'; there are: {}", name, method_names(study_)));
         return;
       }
       if (*base == i) continue;

@@ -15,6 +15,7 @@
 #include "aslio/experiment/study_status.hpp"
 #include "manifest.hpp"
 #include "run_outputs.hpp"
+#include "study_arguments.hpp"
 #include "study_files.hpp"
 #include "study_judge.hpp"
 #include "study_process.hpp"
@@ -38,12 +39,6 @@ constexpr int kInterruptedExit = 130;       // of a child that has met Ctrl-C it
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// A text of a run that has not its final folder yet.
-void name_finally(std::string& text, const fs::path& folder, const fs::path& final) {
-  const std::size_t at = text.find(folder.string());
-  if (at != std::string::npos) text.replace(at, folder.string().size(), final.string());
-}
-
 class Schedule {
  public:
   Schedule(const Study& study, const StudyOptions& options, StudyMonitor& monitor)
@@ -51,7 +46,7 @@ class Schedule {
         options_(options),
         monitor_(monitor),
         runs_folder_(fs::absolute(options.output) / "runs"),
-        store_(options.output, options.data, options.keep_data, asks_for("world")),
+        store_(options.output, options.data, options.keep_data, asks_for(study, "world")),
         used_(study) {
     if (const auto note = require_same_study(study, options.output)) monitor_.on_line(*note);
     store_.remove_leftovers(options.recording);
@@ -119,11 +114,6 @@ class Schedule {
     for (const Active& active : active_) waited_.push_back({active.child->descriptor(), POLLIN, 0});
     const bool told = std::all_of(waited_.begin(), waited_.end(), [](const pollfd& child) { return child.fd >= 0; });
     ::poll(waited_.data(), waited_.size(), told ? kLook : kLookBlind);
-  }
-
-  bool asks_for(std::string_view output) const {
-    const auto& outputs = study_.config.outputs;
-    return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
   }
 
   /// A job of an executor works on one recording.
@@ -242,7 +232,7 @@ class Schedule {
                                           "--threads", fmt::to_string(std::clamp(share, 1L, 256L)),
                                           "--quiet"};
     for (const std::string& assignment : data.set) arguments.insert(arguments.end(), {"--set", assignment});
-    if (asks_for("world")) arguments.insert(arguments.end(), {"--save-world", (folder / kWorldFile).string()});
+    if (asks_for(study, "world")) arguments.insert(arguments.end(), {"--save-world", (folder / kWorldFile).string()});
     data_[d].state = DataState::simulating;
     active_.push_back({std::nullopt, d, folder, log, start(arguments, log, kSimulationLimit)});
   }
@@ -314,34 +304,6 @@ class Schedule {
                                           ChildProcess::Limits{time_s, study_.config.memory_limit});
   }
 
-  /// Of `aslio run`, or of `aslio external` for a method that is not of this program: its file is put there.
-  std::vector<std::string> arguments_of(std::size_t i, const fs::path& folder) const {
-    const StudyRun& run = result_.runs[i];
-    const StudyMethod& method = study_.methods[run.method];
-    const StudyData& data = study_.data[run.data];
-    std::vector<std::string> arguments = {
-        "run",      method.pipeline.string(), "--dataset", data_[run.data].dataset.string(),
-        "--output", folder.string(),          "--seed",    fmt::to_string(run.order_seed),
-        "--quiet"};
-    if (!data.folder.empty()) arguments.insert(arguments.end(), {"--data", data.folder.string()});
-    if (method.external) {
-      const fs::path file = folder / "method.yaml";
-      write_file(file, method.resolved);
-      arguments[0] = "external";
-      arguments[1] = file.string();
-      arguments.insert(arguments.end(), {"--name", data.name, "--sequence", data.sequence});
-      return arguments;
-    }
-    for (const std::string& assignment : overrides_of(study_, result_.runs, run, runs_folder_)) {
-      arguments.insert(arguments.end(), {"--set", assignment});
-    }
-    if (study_.config.stop_when_diverged) arguments.emplace_back("--stop-when-diverged");
-    if (asks_for("dense")) arguments.emplace_back("--dense");
-    if (asks_for("map")) arguments.insert(arguments.end(), {"--save-map", (folder / "map.ply").string()});
-    arguments.insert(arguments.end(), options_.run_options.begin(), options_.run_options.end());
-    return arguments;
-  }
-
   void start_run(std::size_t i) {
     StudyRun& run = result_.runs[i];
     require_unchanged(study_, sources_of(run));
@@ -353,7 +315,8 @@ class Schedule {
     remove_leftovers(folder.parent_path(), partial);
     folder.replace_filename(partial + fmt::to_string(::getpid()));
     create_folder(folder);
-    std::vector<std::string> arguments = arguments_of(i, folder);
+    std::vector<std::string> arguments =
+        run_arguments(study_, result_.runs, i, {data_[run.data].dataset, folder, runs_folder_}, options_.run_options);
     const fs::path log = folder / "log.txt";
     states_[i] = RunState::active;
     active_.push_back({i, run.data, folder, log, start(arguments, log, study_.config.time_limit)});
