@@ -232,7 +232,7 @@ class Schedule {
                                           "--threads", fmt::to_string(std::clamp(share, 1L, 256L)),
                                           "--quiet"};
     for (const std::string& assignment : data.set) arguments.insert(arguments.end(), {"--set", assignment});
-    if (asks_for(study, "world")) arguments.insert(arguments.end(), {"--save-world", (folder / kWorldFile).string()});
+    if (asks_for(study_, "world")) arguments.insert(arguments.end(), {"--save-world", (folder / kWorldFile).string()});
     data_[d].state = DataState::simulating;
     active_.push_back({std::nullopt, d, folder, log, start(arguments, log, kSimulationLimit)});
   }
