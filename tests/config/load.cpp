@@ -166,7 +166,9 @@ TEST_CASE("Stages: missing, unknown and malformed ones name the types there are"
         "a.yaml:2:9: 'window' names unknown type 'pendlum' of clocks (did you mean 'pendulum'?); there are pendulum, "
         "quartz");
   CHECK(error_of("window: {type: hourglass}\n") ==
-        "a.yaml:2:16: 'window' names unknown type 'hourglass' of clocks; there are pendulum, quartz");
+        "a.yaml:2:16: 'window' names unknown type 'hourglass' of clocks; there are pendulum, quartz. One of a plugin "
+        "needs "
+        "--plugin FILE.so, or its folder in ASLIO_PLUGIN_PATH");
   CHECK(error_of("window:\n") ==
         "a.yaml:2:1: 'window' must be a type of clocks or a block with one, is empty; there are pendulum, quartz");
   CHECK(error_of("window: {type: [x]}\n") == "a.yaml:2:16: 'window.type' must be a name; there are pendulum, quartz");

@@ -42,10 +42,11 @@ std::optional<ParseBinder::StageChoice> ParseBinder::choose(const Node* node, st
   const StageEntry* entry = stages_.find(family, name);
   if (entry == nullptr) {
     const std::string near = nearest(name, types);
-    problems_.add(type != nullptr ? type->at() : here,
-                  quoted_path(key) + " names unknown type " + quote(name) + " of " + std::string(family) +
-                      (near.empty() ? "" : " (did you mean '" + near + "'?)") + "; " + there_are +
-                      ". A stage of a plugin needs --plugin FILE.so, or its folder in ASLIO_PLUGIN_PATH");
+    problems_.add(
+        type != nullptr ? type->at() : here,
+        quoted_path(key) + " names unknown type " + quote(name) + " of " + std::string(family) +
+            (near.empty() ? "" : " (did you mean '" + near + "'?)") + "; " + there_are +
+            (near.empty() ? ". One of a plugin needs --plugin FILE.so, or its folder in ASLIO_PLUGIN_PATH" : ""));
     return std::nullopt;
   }
   return StageChoice{entry, node != nullptr && node->is_map() ? *node : Node::map({}, here)};
