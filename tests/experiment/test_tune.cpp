@@ -25,6 +25,7 @@ std::string space(const std::string& entries, int budget) {
 StudyRow row(std::optional<double> ate) {
   StudyRow out;
   out.outcome.status = ate ? "ok" : "diverged";
+  out.outcome.final = true;
   if (ate) out.figures.emplace_back("ate_m", *ate);
   return out;
 }
@@ -78,6 +79,15 @@ TEST_CASE("tune: what is wrong with a space is reported with its place") {
   CHECK_THAT(complaint("{path: estimator.sigma, range: [0, 1], scale: log}"), Contains("above 0"));
   CHECK_THAT(complaint("{path: estimator.sigma, range: [0.01, 0.1], methods: [a]}"),
              Contains("'b' has no parameter in `tune.space`"));
+  CHECK_THAT(complaint("{path: estimator.sigma, range: [0.01, 0.1]}, {path: map.leaf, range: [0.1, 1], methods: [c]}"),
+             Contains("'c' is no method"));
+  CHECK_THAT(
+      complaint("{path: estimator.sigma, range: [0.01, 0.1]}, {path: estimator.sigma, range: [1, 2], methods: [b]}"),
+      Contains("twice for 'b'"));
+  CHECK_THAT(complaint("{path: estimator.max_iterations, range: [1.5, 4], whole: true}"), Contains("whole numbers"));
+  CHECK_THAT(files.complaint(text + "vary: [{path: window.period, values: [0.1], methods: [a]}]\n" +
+                             space("{path: estimator.sigma, range: [0.01, 0.1]}", 12)),
+             Contains("exclude each other"));
   CHECK_THAT(complaint("{path: estimator.sigma, range: [0.01, 0.1]}", 5),
              Contains("not enough for two candidates over 3"));
   CHECK_THAT(complaint("{path: estimator.sgima, range: [0.01, 0.1]}"), Contains("sgima") && Contains("a_t001"));
@@ -115,6 +125,10 @@ TEST_CASE("tune: fewer failures win, then the smaller geometric mean, and an unf
   CHECK_THAT(reports("2-3"), Contains("was tuned on scene_a_2") && Contains("other recordings"));
 
   rows[8].reset();
+  CHECK(best_candidates(study, runs, rows).empty());
+  write_tuning(study, runs, rows, out.path());
+  CHECK_FALSE(fs::exists(out / "tuned/a.yaml"));
+  for (auto& lost : rows) lost = row(std::nullopt);
   CHECK(best_candidates(study, runs, rows).empty());
 }
 

@@ -84,7 +84,7 @@ Command add_evaluate(CLI::App& root) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app->add_option("--sensor", arguments->sensor, "sensor file whose transforms `frame` names")
-      ->check(shipped_file("sensors"));
+      ->transform(shipped_file("sensors"));
   app->add_option("--alignment", arguments->alignment,
                   "of the estimate's world with the reference's: se3 (any rotation and translation), yaw (for a "
                   "vertical z axis: shows tilt) or none (they are the same)")

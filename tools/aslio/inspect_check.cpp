@@ -77,7 +77,7 @@ void add_frame_check_options(CLI::App& app, FrameCheckArguments& a) {
       ->check(CLI::ExistingFile);
   app.add_option("--pipeline", a.pipeline,
                  "pipeline without IMU that registers the LiDAR for --check; default: ct_icp.yaml")
-      ->check(shipped_file("pipelines"));
+      ->transform(shipped_file("pipelines"));
   app.add_option("--json", a.json, "also writes all figures of --check to this file");
   app.add_flag("--quiet", a.quiet, "no progress of --check");
 }

@@ -85,7 +85,6 @@ CLI::Validator shipped_file(std::string kind) {
             namespace fs = std::filesystem;
             std::error_code ignored;
             if (fs::is_regular_file(text, ignored)) return std::string();
-            if (fs::exists(text, ignored)) return fmt::format("{}: not a file", text);
             const fs::path folder = data_path("configs/" + kind);
             std::vector<std::string> names;
             for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().stem());
@@ -93,11 +92,12 @@ CLI::Validator shipped_file(std::string kind) {
             // By its name, or as it lies in a clone of the project.
             const fs::path asked = text;
             const std::string name = asked.stem().string();
-            const bool named = asked == asked.filename() || asked.parent_path() == fs::path("configs") / kind;
+            const bool named = asked == asked.stem() || asked == fs::path("configs") / kind / (name + ".yaml");
             if (named && std::binary_search(names.begin(), names.end(), name)) {
               text = (folder / (name + ".yaml")).string();
               return std::string();
             }
+            if (fs::exists(text, ignored)) return fmt::format("{}: not a file", text);
             const bool known = std::binary_search(names.begin(), names.end(), name);
             const std::string near = known ? name : nearest_name(name, names);
             return fmt::format(

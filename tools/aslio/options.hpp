@@ -18,7 +18,8 @@ CLI::Validator one_of(std::string_view what, std::vector<std::string> names);
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 
 /// A file that exists, or one of those in `configs/KIND` that come with the program, by its name (`as_lio_plus`) or as it
-/// lies in a clone (`configs/pipelines/as_lio_plus.yaml`). Where there is none, the message lists what there is.
+/// lies in a clone (`configs/pipelines/as_lio_plus.yaml`). Where there is none, the message lists what there is. For
+/// Option::transform(): the text becomes the path.
 CLI::Validator shipped_file(std::string kind);
 
 /// "unknown option '--ouput' (did you mean '--output'?)" for what `app` did not know; `extras`: those words.

@@ -130,7 +130,7 @@ int score(const OverlapArguments& a, const CLI::App& app) {
 void add_options(CLI::App& app, OverlapArguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1) with the overlap to score")
       ->required()
-      ->check(shipped_file("pipelines"));
+      ->transform(shipped_file("pipelines"));
   add_recording_options(app, a.recording);
   app.add_option("--trajectory", a.trajectory, "poses of the IMU (TUM); default: the reference of the dataset")
       ->check(CLI::ExistingFile);

@@ -49,7 +49,7 @@ void add_recording_options(CLI::App& app, RecordingArguments& a) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(existing_input());
   add_dataset_options(app, a.dataset, a.data);
-  app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->check(shipped_file("sensors"));
+  app.add_option("--sensor", a.sensor, "sensor file (schema: aslio/sensor/1)")->transform(shipped_file("sensors"));
   app.add_option("--start", a.start, "seconds of data to skip")->check(seconds(false));
   app.add_option("--duration", a.duration, "seconds of data to use")->check(seconds(true));
 }

@@ -163,7 +163,7 @@ int run_pipeline(const RunArguments& a, const CLI::App& app, const std::vector<s
 void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("PIPELINE", a.pipeline, "pipeline file (schema: aslio/pipeline/1)")
       ->required()
-      ->check(shipped_file("pipelines"));
+      ->transform(shipped_file("pipelines"));
   add_recording_options(app, a.recording);
   app.add_option("--output", a.output, "folder for the results; files of an earlier run are replaced")->required();
   app.add_option("--set", a.overrides, "key.path=value (YAML); changes the pipeline, may be repeated")

@@ -212,7 +212,7 @@ std::vector<std::string> sensor_names() {
 }
 
 void add_simulate_options(CLI::App& app, SimulateArguments& a) {
-  app.add_option("SCENE", a.scene, "scene file (schema: aslio/scene/1)")->required()->check(shipped_file("scenes"));
+  app.add_option("SCENE", a.scene, "scene file (schema: aslio/scene/1)")->required()->transform(shipped_file("scenes"));
   app.add_option("--output", a.output, "folder for the recording; files of an earlier one are replaced")->required();
   app.add_option("--seed", a.seed, "of noise, biases, people, turn times and gait; the world has a seed of its own")
       ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))

@@ -231,7 +231,9 @@ FedRecording feed_recording(const Dataset& dataset, const io::SensorConfig& sens
   std::optional<Copy> copy;
   const bool written = !method.command.empty() && method.input != ExternalInput::as_is;
   if (!method.command.empty() && !written) require_whole(dataset);
-  const Topics topics = method.command.empty() ? Topics{} : topics_of(dataset, sensor);
+  const bool asked = std::any_of(method.command.begin(), method.command.end(),
+                                 [](const std::string& word) { return word.find("_topic}") != std::string::npos; });
+  const Topics topics = written || asked ? topics_of(dataset, sensor) : Topics{};
   if (written) {
     fs::create_directories(folder);
     copy.emplace(method, sensor, topics, folder);

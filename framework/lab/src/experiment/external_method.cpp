@@ -207,6 +207,7 @@ void ExternalMethod::describe_keys(config::Binder& b, ExternalMethod& method) {
 
 void ExternalMethod::describe(config::Binder& b, ExternalMethod& method) {
   describe_keys(b, method);
+  b.text("here", method.folder, "folder that a container sees besides; empty: that of this file");
   b.require(method.given(), "command", "is required: give the words of a program, or `trajectory` alone");
 }
 
@@ -261,7 +262,7 @@ ExternalMethod placed_in(ExternalMethod method, const fs::path& folder) {
   const fs::path here = fs::absolute(folder.empty() ? fs::path(".") : folder, ignored).lexically_normal();
   const std::string text = here.has_filename() ? here.string() : here.parent_path().string();
   const auto at = [&](const std::string& path) { return (fs::path(text) / path).lexically_normal().string(); };
-  method.folder = text;
+  if (!method.engine.empty() && method.folder.empty()) method.folder = text;
   for (std::string& word : method.command) replace_all(word, kHere, text);
   replace_all(method.trajectory, kHere, text);
   replace_all(method.image, kHere, text);
@@ -326,12 +327,14 @@ std::vector<fs::path> files_of(const ExternalMethod& method, const ExternalPlace
   const auto add = [&](const fs::path& file) {
     if (file.is_absolute() && fs::is_regular_file(file, ignored)) files.push_back(file);
   };
-  for (const std::string& key : method.trajectory_set) {
-    if (key.starts_with(kTimes)) add(filled_in(key.substr(kTimes.size()), places));
-  }
-  add(method.image);
+  const auto add_times = [&] {
+    for (const std::string& key : method.trajectory_set) {
+      if (key.starts_with(kTimes)) add(filled_in(key.substr(kTimes.size()), places));
+    }
+  };
   if (method.command.empty()) {
     add(filled_in(method.trajectory, places));
+    add_times();
     return files;
   }
   if (method.engine.empty()) add(program_file(method.command.front()));
@@ -340,6 +343,7 @@ std::vector<fs::path> files_of(const ExternalMethod& method, const ExternalPlace
   for (std::size_t i = 1; i < method.command.size(); ++i) {
     if (method.command[i] != kBag) add(filled_in(method.command[i], known));
   }
+  add_times();
   return files;
 }
 

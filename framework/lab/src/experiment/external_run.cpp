@@ -40,6 +40,7 @@ constexpr double kLook = 0.02;    // between looks at the program [s]
 constexpr double kSeen = 0.2;     // a program that ends sooner has not been looked at often enough [s]
 constexpr double kGrace = 2.0;    // for it to end after a stop [s]
 constexpr double kLongest = 1e9;  // the caller has limits of its own [s]
+constexpr TimeNs kLongestStep = 3 * kSecond;
 constexpr const char* kInputFolder = ".input";
 constexpr const char* kLog = "program.log";
 
@@ -96,7 +97,7 @@ TimeNs longest_step(const std::vector<StampedPose>& poses) {
   if (steps.empty()) return kLongGap;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  return std::max(kLongGap, 3 * *middle);
+  return std::clamp(3 * *middle, kLongGap, kLongestStep);
 }
 
 /// The share of [begin, end] that lies between poses at most longest_step() apart. The first second may be without.
@@ -257,7 +258,10 @@ class ExternalRun {
   std::optional<ChildEnd> wait_for(ChildProcess& child) const {
     while (true) {
       auto end = child.poll();
-      if (stop_()) break;  // asked for first: Ctrl-C reaches the program as well
+      if (stop_()) {
+        if (end) return std::nullopt;
+        break;
+      }
       if (end) return end;
       std::this_thread::sleep_for(std::chrono::duration<double>(kLook));
     }
@@ -466,6 +470,7 @@ std::string to_json(const ExternalSummary& s) {
 ExternalSummary run_external(const ExternalOptions& options, const std::function<bool()>& stop) {
   ExternalOptions absolute = options;
   absolute.output = fs::absolute(options.output).lexically_normal();
+  if (!absolute.output.has_filename()) absolute.output = absolute.output.parent_path();
   create_folder(absolute.output);
   const auto lock = lock_output(absolute.output);
   for (const std::string& file : files_of_a_run()) {

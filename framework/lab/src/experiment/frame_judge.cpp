@@ -36,7 +36,7 @@ class Judge {
     axes_of_gyro_off_ = gyro_axes_are_off();
     turned_ = lidar_is_turned();
     judge_signs();
-    sign_is_wrong_ = check_.contradicts();
+    sign_is_wrong_ = !turned_ && check_.contradicts();
     if (!turned_) judge_gyro_lidar();
     judge_clocks();
     judge_rest();
@@ -340,6 +340,7 @@ class Judge {
   void judge_point() {
     const auto& fit = m_.lidar_point;
     const std::string subject = "reference point against LiDAR";
+    if (turned_) return say(FindingKind::undetermined, subject, "check again with the right rotation");
     if (!fit.problem.empty()) return say(FindingKind::undetermined, subject, fit.problem);
     const Mat3& R = sensor_.model.T_imu_lidar.R;
     const Vec3 point = sensor_.model.T_imu_lidar * fit.point;

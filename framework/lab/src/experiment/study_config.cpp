@@ -191,6 +191,8 @@ void StudyConfig::describe(config::Binder& b, StudyConfig& study) {
   b.real("time_limit", study.time_limit, "s", {.above = 0.0, .max = 1e6}, "of a run; the program ends longer ones");
   b.real("memory_limit", study.memory_limit, "MB", {.min = 1.0, .max = 1e7},
          "resident memory of a run; the program ends larger ones");
+  b.require(!study.tune.given() || study.vary.empty(), "tune",
+            "and `vary` exclude each other: every method gets the same number of runs");
   const std::string_view paragraph = "is required: one paragraph, written before the study is run";
   b.require(!study.question.empty(), "question", paragraph);
   b.require(!study.prediction.empty(), "prediction", paragraph);

@@ -279,6 +279,8 @@ class Reader {
   }
 
   void require_known_methods() {
+    const std::string problem = space_problem(study_.config);
+    if (!problem.empty()) problems_.add(root_.find("tune")->value.at(), "'tune.space': " + problem);
     const auto& methods = study_.config.methods;
     for (std::size_t k = 0; k < study_.config.vary.size(); ++k) {
       for (const std::string& name : study_.config.vary[k].methods) {

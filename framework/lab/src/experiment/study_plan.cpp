@@ -64,6 +64,12 @@ std::string external_key(const Study& study, const StudyRun& run, std::string_vi
   places.seed = fmt::to_string(run.order_seed);
   for (const std::filesystem::path& file : files_of(*method.external, places))
     text += "file " + sha256_of_file(file) + "\n";
+  std::error_code error;
+  const auto size = std::filesystem::file_size(method.external->image, error);
+  if (!error) {
+    const auto written = std::filesystem::last_write_time(method.external->image, error).time_since_epoch().count();
+    text += fmt::format("image {} {}\n", size, written);
+  }
   return sha256_of(text);
 }
 

@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <system_error>
+#include <thread>
 
 #include "aslio/core/errors.hpp"
 
@@ -67,7 +68,7 @@ bool redirect(const char* path, int flags, int to) {
   // What this program ignores is its own matter: a pipe of others must break.
   ::signal(SIGPIPE, SIG_DFL);
   ::signal(SIGXFSZ, SIG_DFL);
-  if (!command.adopts) ::setpgid(0, 0);
+  ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, command.when_left);
   const rlimit no_core{0, 0};  // a crash is a row, not a gigabyte
   ::setrlimit(RLIMIT_CORE, &no_core);
@@ -153,15 +154,20 @@ std::vector<pid_t> ChildProcess::all() const {
 
 double ChildProcess::end_adopted() {
   double cpu_s = 0;
-  while (true) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(kTimeToEnd);
+  while (std::chrono::steady_clock::now() < until) {  // one that cannot be ended must not hold up the rest
     std::vector<pid_t> left;
     append_descendants(::getpid(), left);
     for (const pid_t id : left) ::kill(id, SIGKILL);
     rusage usage{};
-    const pid_t ended = ::wait4(-1, nullptr, 0, &usage);
-    if (ended < 0 && errno != EINTR) return cpu_s;
-    if (ended > 0) cpu_s += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    pid_t ended = 0;
+    while ((ended = ::wait4(-1, nullptr, WNOHANG, &usage)) > 0) {
+      cpu_s += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    }
+    if (ended < 0 && errno != EINTR) break;  // there is none
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
+  return cpu_s;
 }
 
 double ChildProcess::look_at_memory() {
@@ -176,6 +182,7 @@ double ChildProcess::look_at_memory() {
 }
 
 std::optional<ChildEnd> ChildProcess::poll() {
+  if (id_ < 0) return std::nullopt;  // it was told before
   int status = 0;
   rusage usage{};
   if (::wait4(id_, &status, WNOHANG, &usage) == id_) {
@@ -208,7 +215,6 @@ void ChildProcess::kill() const {
   if (id_ <= 0) return;
   // Those with a session of their own are in no group of ours.
   for (const pid_t id : all()) ::kill(id, SIGKILL);
-  if (adopts_) return;
   ::kill(-id_, SIGKILL);
   ::kill(id_, SIGKILL);  // before it has a group of its own
 }

@@ -28,7 +28,7 @@ struct ChildCommand {
   std::filesystem::path log;           ///< stdout and stderr
   std::filesystem::path folder = {};   ///< in which it works; empty: that of this process
   /// This process becomes the parent of whatever the child leaves behind, and ends and counts it, too. It must have no
-  /// other children. False: the child has a process group of its own.
+  /// other children.
   bool adopts = false;
   int when_left = 9;  ///< signal to the child when this process ends: SIGKILL, or one that lets it end what it started
 };
@@ -47,7 +47,7 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Ends it where it is over a limit. Nothing while it runs.
+  /// Ends it where it is over a limit. Its end, once; nothing while it runs, nor afterwards.
   std::optional<ChildEnd> poll();
   /// Readable from the moment it has ended; -1 where there is none to be had (before Linux 5.3, or no more files).
   int descriptor() const { return descriptor_; }

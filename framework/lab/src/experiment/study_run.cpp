@@ -339,6 +339,7 @@ class Schedule {
     }
     refuse_if_changed(sources_of(result_.runs[i]), [&] { fs::remove_all(ended.folder, error); });
     remove_parts(ended.folder);
+    fs::remove_all(ended.folder / ".input", error);  // of a program of others that was ended at a limit
     leave_manifest(ended, outcome);
     write_outcome(ended.folder, result_.runs[i].key, outcome);
     // The data go before the last run that needed them has its name: a study that is killed in between makes the run

@@ -61,8 +61,9 @@ std::string drawn(const StudyTuneParameterConfig& parameter, double u) {
     return config::to_line(items[at]);
   }
   const double low = parameter.range.at(0), high = parameter.range.at(1);
+  if (parameter.whole) return fmt::format("{}", static_cast<std::int64_t>(std::floor(low + u * (high - low + 1))));
   const double value = parameter.scale == TuneScale::log ? low * std::pow(high / low, u) : low + u * (high - low);
-  return parameter.whole ? fmt::format("{}", std::llround(value)) : fmt::format("{:.4g}", value);
+  return fmt::format("{:.4g}", value);
 }
 
 /// Figures of one candidate over all recordings.
@@ -80,7 +81,7 @@ std::vector<Score> scores_of(const Study& study, const std::vector<StudyRun>& ru
   std::vector<Score> scores(study.methods.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     Score& score = scores[runs[i].method];
-    if (!rows[i]) {
+    if (!rows[i] || !rows[i]->outcome.final) {  // the machine's fault may be another's tomorrow
       ++score.missing;
       continue;
     }
@@ -103,8 +104,8 @@ std::string provenance(const Study& study, const Tuned& tuned) {
       "untuned {}.\n# Random search over {} keys, seed {}, {} runs. aslio {}, {}.\n",
       tuned.base, study.name, method.axes.back(), tuned.candidates, tune.objective, tuned.objective, study.data.size(),
       tuned.failures, tuned.untuned_objective ? fmt::format("{:.4g}", *tuned.untuned_objective) : "failed",
-      tune.space.size(), tune.seed, tuned.candidates * study.data.size() * study.order_seeds.size(), version(),
-      source_revision());
+      method.set.empty() ? study.methods[tuned.untuned + 1].set.size() : method.set.size(), tune.seed,
+      tuned.candidates * study.data.size() * study.order_seeds.size(), version(), source_revision());
   if (!method.set.empty()) text += fmt::format("# {}\n", fmt::join(method.set, ", "));
   for (const StudyData& data : study.data) text += fmt::format("{}{} {}\n", kTunedOn, data.name, data.identity);
   return text;
@@ -137,6 +138,9 @@ void StudyTuneParameterConfig::describe(config::Binder& b, StudyTuneParameterCon
   b.require(p.range.empty() || (p.range.size() == 2 && p.range[0] < p.range[1]), "range",
             "must be two numbers, the lower one first");
   b.require(p.scale == TuneScale::linear || p.range.empty() || p.range[0] > 0, "scale", "log needs a range above 0");
+  const bool bounds =
+      p.range.size() == 2 && p.range[0] == std::floor(p.range[0]) && p.range[1] == std::floor(p.range[1]);
+  b.require(!p.whole || (bounds && p.scale == TuneScale::linear), "whole", "needs a linear range of whole numbers");
   b.require(p.values.is_null() || (p.values.is_list() && !p.values.items().empty()), "values",
             "must be a list of values, as in [0.1, 0.2]");
 }
@@ -160,6 +164,25 @@ std::string tuning_problem(const Study& study, const StudyMethodConfig& method) 
   if (candidates_of(study) >= 2) return "";
   return fmt::format("cannot be tuned: a budget of {} runs is not enough for two candidates over {} recordings",
                      tune.budget, study.data.size());
+}
+
+std::string space_problem(const StudyConfig& config) {
+  const auto& space = config.tune.space;
+  for (std::size_t k = 0; k < space.size(); ++k) {
+    for (const std::string& name : space[k].methods) {
+      const bool known =
+          std::any_of(config.methods.begin(), config.methods.end(), [&](const auto& m) { return m.name == name; });
+      if (!known) return fmt::format("'{}' is no method of the study", name);
+    }
+    for (std::size_t other = 0; other < k; ++other) {
+      if (space[other].path != space[k].path) continue;
+      const auto both = [&](const auto& m) { return is_of(space[other], m.name) && is_of(space[k], m.name); };
+      const auto same = std::find_if(config.methods.begin(), config.methods.end(), both);
+      if (same != config.methods.end())
+        return fmt::format("'{}' stands there twice for '{}'", space[k].path, same->name);
+    }
+  }
+  return "";
 }
 
 std::vector<AxisPoint> candidate_points(const Study& study, const StudyMethodConfig& method) {
@@ -192,6 +215,7 @@ std::vector<Tuned> best_candidates(const Study& study, const std::vector<StudyRu
     if (std::any_of(members.begin(), members.end(), [&](std::size_t m) { return scores[m].missing > 0; })) continue;
     const std::size_t best = *std::min_element(
         members.begin(), members.end(), [&](std::size_t a, std::size_t b) { return scores[a].better_than(scores[b]); });
+    if (scores[best].figures == 0) continue;  // without one there is no best
     Tuned tuned{.base = base,
                 .method = best,
                 .untuned = members.front(),
@@ -209,6 +233,9 @@ void write_tuning(const Study& study, const std::vector<StudyRun>& runs,
                   const std::vector<std::optional<StudyRow>>& rows, const fs::path& output) {
   write_file(output / "tuning.csv", tuning_csv(study, scores_of(study, runs, rows)));
   const std::vector<Tuned> best = best_candidates(study, runs, rows);
+  // What an earlier study left there is of other candidates.
+  std::error_code ignored;
+  for (const StudyMethod& method : study.methods) fs::remove(output / "tuned" / (method.base + ".yaml"), ignored);
   if (!best.empty()) create_folder(output / "tuned");
   for (const Tuned& tuned : best) {
     write_file(output / "tuned" / (tuned.base + ".yaml"),
@@ -225,8 +252,8 @@ std::vector<std::string> tuned_on(const fs::path& pipeline, const std::vector<St
     std::string name, identity;
     words >> name >> identity;
     const bool reported = std::any_of(data.begin(), data.end(), [&](const StudyData& d) {
-      // Of a simulation the identity changes with the program, and the name with its seed stays.
-      return d.identity == identity || (d.seed && d.name == name);
+      // The identity changes with the program, a copy or the sensor file, and the name stays.
+      return d.identity == identity || d.name == name;
     });
     if (reported) found.push_back(name);
   }

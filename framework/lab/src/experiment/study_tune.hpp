@@ -18,6 +18,9 @@ inline constexpr const char* kCandidateColumn = "candidate";
 /// Why a method cannot be tuned as the others are; empty: it can. Pre: the recordings of the study are known.
 std::string tuning_problem(const Study& study, const StudyMethodConfig& method);
 
+/// What is wrong with the methods that the space names; empty: nothing.
+std::string space_problem(const StudyConfig& config);
+
 /// The candidates of a method, as many as the budget allows over the recordings: the first one as written, the others
 /// drawn. A parameter that several methods have gets the same values in all. A program of others has the first one
 /// alone.

@@ -40,8 +40,8 @@ struct ExternalMethod {
   std::string engine;                              ///< docker, apptainer, or empty: no container
   std::string image;                               ///< of the container
   std::vector<std::string> engine_options;         ///< words for it
-  std::string folder;                              ///< {here}, once it is known; no key
-  std::vector<double> exit_codes{0};               ///< with which the program has done its work
+  std::string folder;                 ///< of a method in a container: that of {here}; empty: that of its file
+  std::vector<double> exit_codes{0};  ///< with which the program has done its work
 
   bool given() const { return !command.empty() || !trajectory.empty(); }
   /// The keys alone: they stand beside others in a study.
@@ -90,7 +90,8 @@ std::vector<std::string> in_container(const ExternalMethod& method, std::vector<
 /// Names of what `aslio external` leaves in the folder of a run.
 const std::vector<std::string>& files_of_a_run();
 
-/// Files of this machine that decide what a run does: the program, files among its words, a finished trajectory.
+/// Files of this machine that decide what a run does, the first one before all: the program or a finished trajectory,
+/// files among its words, times. An image is too large to be among them.
 std::vector<std::filesystem::path> files_of(const ExternalMethod& method, const ExternalPlaces& places);
 
 }  // namespace aslio::experiment
