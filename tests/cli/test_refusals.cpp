@@ -144,8 +144,7 @@ TEST_CASE("what comes with the program is known by its name, and as it lies in a
     CHECK(ended.code == 2);
     CHECK_THAT(ended.err, Contains("none.bag") && !Contains("no such file;") && !Contains("fixed_window"));
   }
-  CHECK(run_aslio({"simulate", "quickstart", "--duration", "1", "--scale", "0.1", "--output", bench / "walk"}).code ==
-        0);
+  CHECK(run_aslio({"simulate", "quickstart", "--duration", "3", "--output", bench / "walk"}).code == 0);
   CHECK(run_aslio({"run", "fixed_window", "--dataset", bench / "walk", "--output", bench / "run", "--quiet"}).code !=
         2);
   CHECK_THAT(run_aslio({"simulate", "quikstart", "--output", bench / "o"}).err,
