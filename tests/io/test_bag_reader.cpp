@@ -131,6 +131,7 @@ TEST_CASE("other files are named for what they are") {
   CHECK(contains(refusal("hello, this is text"), "of no known recording: a ROS1 bag (.bag), an MCAP file (.mcap)"));
   CHECK(contains(refusal("# .PCD v0.7 - Point Cloud"), "give the folder that holds all scans"));
   CHECK(contains(refusal("LASF and more"), "a point cloud without the times of a recording"));
+  CHECK(contains(refusal("version https://git-lfs.github.com/spec/v1"), "git lfs pull"));
   const std::string livox("livox_tech\0\0\0\0\0\0", 16);
   CHECK(contains(refusal(livox + std::string("\1\1\0\0 and more", 13)), "`lvx_to_rosbag`"));
   CHECK(contains(refusal(livox + std::string("\2\0\0\0 and more", 13)), "an LVX2 file of Livox, which has points"));

@@ -17,8 +17,8 @@ CLI::Validator one_of(std::string_view what, std::vector<std::string> names);
 /// A whole number in [min, max] without sign.
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 
-/// A file that exists, or one of those in `configs/KIND` that come with the program, by its name (`as_lio_plus`) or as it
-/// lies in a clone (`configs/pipelines/as_lio_plus.yaml`). Where there is none, the message lists what there is. For
+/// A file that exists, or one of those in `configs/KIND` that come with the program, by its name (`as_lio_plus`) or as
+/// it lies in a clone (`configs/pipelines/as_lio_plus.yaml`). Where there is none, the message lists what there is. For
 /// Option::transform(): the text becomes the path.
 CLI::Validator shipped_file(std::string kind);
 

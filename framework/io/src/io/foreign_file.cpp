@@ -26,6 +26,7 @@ constexpr std::array kFormats{
     Format{"#ROSBAG V1"sv, "a bag of format 1; convert it with `rosbag fix`"},
     Format{"SQLite format 3"sv, "a rosbag2 database, not a ROS1 bag"},
     Format{"\x89MCAP"sv, "an MCAP file, not a ROS1 bag"},
+    Format{"version https://git-lfs"sv, "a pointer of Git LFS, not the file itself: fetch it with `git lfs pull`"},
     Format{"# .PCD"sv, kScan},
     Format{"VERSION .7"sv, kScan},
     Format{"VERSION 0.7"sv, kScan},
