@@ -103,7 +103,22 @@ Topics topics_of(const Dataset& dataset, const io::SensorConfig& sensor) {
 }
 
 io::LidarForm form_of(const ExternalMethod& method, bool livox) {
-  if (!method.automatic_points) return method.points;
+  switch (method.points) {
+    case ExternalPoints::velodyne:
+      return io::LidarForm::velodyne;
+    case ExternalPoints::ouster:
+      return io::LidarForm::ouster;
+    case ExternalPoints::hesai:
+      return io::LidarForm::hesai;
+    case ExternalPoints::livox_cloud:
+      return io::LidarForm::livox_cloud;
+    case ExternalPoints::livox:
+      return io::LidarForm::livox;
+    case ExternalPoints::livox2:
+      return io::LidarForm::livox2;
+    case ExternalPoints::automatic:
+      break;
+  }
   if (!livox) return io::LidarForm::velodyne;
   return method.input == ExternalInput::bag ? io::LidarForm::livox : io::LidarForm::livox2;
 }

@@ -10,11 +10,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <system_error>
+#include <utility>
 
 #include "aslio/config/binder.hpp"
 #include "aslio/config/load.hpp"
 #include "aslio/config/names.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/io/layout_writer.hpp"
 #include "aslio/plugin/registry.hpp"
 
 namespace aslio::experiment {
@@ -24,65 +26,19 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kBag = "{bag}";
-constexpr std::string_view kHere = "{here}";
 constexpr std::string_view kTimes = "times=";
 constexpr const char* kSchema = "schema: aslio/external/1\n";
-
-enum class Points : std::uint8_t { automatic, velodyne, ouster, hesai, livox_cloud, livox, livox2 };
-
-Points points_of(const ExternalMethod& method) {
-  if (method.automatic_points) return Points::automatic;
-  switch (method.points) {
-    case io::LidarForm::ouster:
-      return Points::ouster;
-    case io::LidarForm::hesai:
-      return Points::hesai;
-    case io::LidarForm::livox_cloud:
-      return Points::livox_cloud;
-    case io::LidarForm::livox:
-      return Points::livox;
-    case io::LidarForm::livox2:
-      return Points::livox2;
-    default:
-      return Points::velodyne;
-  }
-}
-
-io::LidarForm form_of(Points points) {
-  switch (points) {
-    case Points::ouster:
-      return io::LidarForm::ouster;
-    case Points::hesai:
-      return io::LidarForm::hesai;
-    case Points::livox_cloud:
-      return io::LidarForm::livox_cloud;
-    case Points::livox:
-      return io::LidarForm::livox;
-    case Points::livox2:
-      return io::LidarForm::livox2;
-    default:
-      return io::LidarForm::velodyne;
-  }
-}
 
 bool is_name(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(),
                                       [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == ':'; });
 }
 
-void replace_all(std::string& text, std::string_view what, const std::string& by) {
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-    text.replace(at, what.size(), by);
-  }
-}
-
-std::string place_text(std::string_view name) { return fmt::format("{{{}}}", name); }
-
 /// A topic that is asked for and not known.
 void require_topic(const std::string& text, std::string_view name, const std::string& topic) {
-  if (!topic.empty() || text.find(place_text(name)) == std::string::npos) return;
-  throw ConfigError(fmt::format("{}: the sensor file names no {}: name it there, or let the method have `input: bag`",
-                                place_text(name), name));
+  if (!topic.empty() || text.find(fmt::format("{{{}}}", name)) == std::string::npos) return;
+  throw ConfigError(
+      fmt::format("{{{0}}}: the sensor file names no {0}: name it there, or let the method have `input: bag`", name));
 }
 
 bool whole(const std::vector<double>& values) {
@@ -105,18 +61,10 @@ fs::path program_file(const std::string& name) {
 }
 
 void describe_trajectory(config::Binder& b, ExternalMethod& method) {
-  using io::ReferenceFormat;
   b.text("trajectory", method.trajectory,
          "file with the poses: of a command, in its output folder; without a command a finished one, relative to the "
          "folder of this file, as in theirs/{data}.tum");
-  b.choice("format", method.format,
-           {{"auto", ReferenceFormat::automatic},
-            {"tum", ReferenceFormat::tum},
-            {"csv", ReferenceFormat::csv},
-            {"euroc", ReferenceFormat::euroc},
-            {"kitti", ReferenceFormat::kitti},
-            {"recording", ReferenceFormat::recording}},
-           "of the poses; auto: by the content");
+  io::describe_format(b, method.format, "of the poses; auto: by the content");
   b.text("frame", method.frame,
          "whose poses they are: imu, lidar, or a frame of the sensor file's transforms; their world may be any");
   b.texts("trajectory_set", method.trajectory_set, {},
@@ -167,19 +115,16 @@ void ExternalMethod::describe_keys(config::Binder& b, ExternalMethod& method) {
        {"folder", ExternalInput::folder}},
       "what {bag} is: the recording as it is, or written again as a ROS1 bag, rosbag2 database, MCAP file, or folder "
       "of PCD files with imu.csv");
-  Points points = points_of(method);
-  b.choice("points", points,
-           {{"auto", Points::automatic},
-            {"velodyne", Points::velodyne},
-            {"ouster", Points::ouster},
-            {"hesai", Points::hesai},
-            {"livox_cloud", Points::livox_cloud},
-            {"livox", Points::livox},
-            {"livox2", Points::livox2}},
-           "fields or message of the points in a bag, db3 or mcap that is written; auto: of the driver of Livox for a "
-           "topic of that name, else of velodyne_pointcloud");
-  method.automatic_points = points == Points::automatic;
-  method.points = form_of(points);
+  b.choice("points", method.points,
+           {{"auto", ExternalPoints::automatic},
+            {"velodyne", ExternalPoints::velodyne},
+            {"ouster", ExternalPoints::ouster},
+            {"hesai", ExternalPoints::hesai},
+            {"livox_cloud", ExternalPoints::livox_cloud},
+            {"livox", ExternalPoints::livox},
+            {"livox2", ExternalPoints::livox2}},
+           "fields or message of the points in a bag, db3 or mcap that is written; auto: of the driver of Livox where "
+           "the recording has its message, else of velodyne_pointcloud");
   describe_container(b, method);
   b.reals("exit_codes", method.exit_codes, 0, "", {.min = 0.0, .max = 255.0},
           "with which the program has done its work");
@@ -234,14 +179,15 @@ std::string filled_in(const std::string& text, const ExternalPlaces& places) {
                     "for each, or give the method `input: bag`",
                     text, places.bags.size()));
   }
-  if (!places.bags.empty()) replace_all(out, kBag, places.bags.front().string());
-  replace_all(out, place_text("imu_topic"), places.imu_topic);
-  replace_all(out, place_text("lidar_topic"), places.lidar_topic);
-  replace_all(out, place_text("output"), places.output.string());
-  replace_all(out, place_text("sensor"), places.sensor.string());
-  replace_all(out, place_text("data"), places.data);
-  replace_all(out, place_text("sequence"), places.sequence);
-  replace_all(out, place_text("seed"), places.seed);
+  if (!places.bags.empty()) out = io::filled_in(out, "bag", places.bags.front().string());
+  const std::vector<std::pair<std::string_view, std::string>> values = {{"imu_topic", places.imu_topic},
+                                                                        {"lidar_topic", places.lidar_topic},
+                                                                        {"output", places.output.string()},
+                                                                        {"sensor", places.sensor.string()},
+                                                                        {"data", places.data},
+                                                                        {"sequence", places.sequence},
+                                                                        {"seed", places.seed}};
+  for (const auto& [key, value] : values) out = io::filled_in(std::move(out), key, value);
   return out;
 }
 
@@ -263,11 +209,12 @@ ExternalMethod placed_in(ExternalMethod method, const fs::path& folder) {
   const std::string text = here.has_filename() ? here.string() : here.parent_path().string();
   const auto at = [&](const std::string& path) { return (fs::path(text) / path).lexically_normal().string(); };
   if (!method.engine.empty() && method.folder.empty()) method.folder = text;
-  for (std::string& word : method.command) replace_all(word, kHere, text);
-  replace_all(method.trajectory, kHere, text);
-  replace_all(method.image, kHere, text);
+  const auto fill = [&text](std::string& word) { word = io::filled_in(std::move(word), "here", text); };
+  for (std::string& word : method.command) fill(word);
+  fill(method.trajectory);
+  fill(method.image);
   for (std::string& key : method.trajectory_set) {
-    replace_all(key, kHere, text);
+    fill(key);
     if (key.starts_with(kTimes) && method.command.empty()) key = std::string(kTimes) + at(key.substr(kTimes.size()));
   }
   if (method.engine == "apptainer" && fs::exists(at(method.image), ignored)) method.image = at(method.image);

@@ -36,11 +36,11 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using pipeline::RunStatus;
 
-constexpr double kLook = 0.02;    // between looks at the program [s]
-constexpr double kSeen = 0.2;     // a program that ends sooner has not been looked at often enough [s]
-constexpr double kGrace = 2.0;    // for it to end after a stop [s]
-constexpr double kLongest = 1e9;  // the caller has limits of its own [s]
-constexpr TimeNs kLongestStep = 3 * kSecond;
+constexpr double kLook = 0.02;                // between looks at the program [s]
+constexpr double kSeen = 0.2;                 // a program that ends sooner has not been looked at often enough [s]
+constexpr double kGrace = 2.0;                // for it to end after a stop [s]
+constexpr double kLongest = 1e9;              // the caller has limits of its own [s]
+constexpr TimeNs kLongestStep = 3 * kSecond;  // between poses that covers the data
 constexpr const char* kInputFolder = ".input";
 constexpr const char* kLog = "program.log";
 
@@ -81,13 +81,6 @@ class InputFolder {
 void set(ExternalSummary& s, RunStatus status, std::string reason) {
   s.status = status;
   s.reason = std::move(reason);
-}
-
-/// Path between the poses of a trajectory [m].
-double path_of(const std::vector<StampedPose>& poses) {
-  double length = 0;
-  for (std::size_t i = 1; i < poses.size(); ++i) length += (poses[i].T.p - poses[i - 1].T.p).norm();
-  return length;
 }
 
 /// The longest step between poses that leaves nothing out [ns]: authors may give keyframes alone.
@@ -288,8 +281,8 @@ class ExternalRun {
       return false;
     }
     try {
-      const std::vector<std::string> sets = trajectory_keys();
-      io::ReferenceSpec spec = io::load_reference_spec(file, sets);
+      io::ReferenceSpec spec = io::load_reference_spec(file, trajectory_keys());
+      if (spec.format == io::ReferenceFormat::automatic) spec.format = options_.method.format;
       const Truth estimate = load_truth(spec, &sensor_.value);
       if (estimate.positions_only) {
         throw DataError(
@@ -312,7 +305,7 @@ class ExternalRun {
     return true;
   }
 
-  /// Keys of the file of poses; those that are written out go before what `format` and `frame` say.
+  /// Keys of the file of poses; those that are written out go before `frame`.
   std::vector<std::string> trajectory_keys() const {
     std::vector<std::string> keys;
     bool placed = false;
@@ -327,26 +320,7 @@ class ExternalRun {
       keys.push_back(std::move(key));
     }
     if (!placed) keys.insert(keys.begin(), "frame=" + options_.method.frame);
-    if (options_.method.format != io::ReferenceFormat::automatic) keys.insert(keys.begin(), "format=" + format_name());
     return keys;
-  }
-
-  std::string format_name() const {
-    switch (options_.method.format) {
-      case io::ReferenceFormat::tum:
-        return "tum";
-      case io::ReferenceFormat::csv:
-        return "csv";
-      case io::ReferenceFormat::euroc:
-        return "euroc";
-      case io::ReferenceFormat::kitti:
-        return "kitti";
-      case io::ReferenceFormat::recording:
-        return "recording";
-      case io::ReferenceFormat::automatic:
-        break;
-    }
-    return "auto";
   }
 
   void write_trajectories() const {
@@ -358,7 +332,7 @@ class ExternalRun {
 
   void measure() {
     summary_.poses = poses_.size();
-    summary_.path_length_m = path_of(poses_);
+    summary_.path_length_m = Trajectory(poses_).path_length();
     if (fed_.sweeps > 0) summary_.coverage = coverage_of(poses_, fed_.begin, fed_.end);
     if (options_.dataset.closed_loop) {
       summary_.end_to_end_m = (poses_.back().T.p - poses_.front().T.p).norm();

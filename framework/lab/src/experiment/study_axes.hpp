@@ -1,5 +1,5 @@
 #pragma once
-/// The axes of `vary`: what each of their points sets, and what tables call it.
+/// The axes of `vary`: what each of their points sets, and what tables call it; and what assignments stand for.
 
 #include <cstdint>
 #include <string>

@@ -104,8 +104,8 @@ std::string provenance(const Study& study, const Tuned& tuned) {
       "untuned {}.\n# Random search over {} keys, seed {}, {} runs. aslio {}, {}.\n",
       tuned.base, study.name, method.axes.back(), tuned.candidates, tune.objective, tuned.objective, study.data.size(),
       tuned.failures, tuned.untuned_objective ? fmt::format("{:.4g}", *tuned.untuned_objective) : "failed",
-      method.set.empty() ? study.methods[tuned.untuned + 1].set.size() : method.set.size(), tune.seed,
-      tuned.candidates * study.data.size() * study.order_seeds.size(), version(), source_revision());
+      std::count_if(tune.space.begin(), tune.space.end(), [&](const auto& p) { return is_of(p, tuned.base); }),
+      tune.seed, tuned.candidates * study.data.size() * study.order_seeds.size(), version(), source_revision());
   if (!method.set.empty()) text += fmt::format("# {}\n", fmt::join(method.set, ", "));
   for (const StudyData& data : study.data) text += fmt::format("{}{} {}\n", kTunedOn, data.name, data.identity);
   return text;

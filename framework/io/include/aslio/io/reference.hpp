@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "aslio/core/types.hpp"
@@ -15,6 +16,8 @@ namespace aslio::io {
 
 /// How the poses are written. `automatic`: by the content.
 enum class ReferenceFormat : std::uint8_t { automatic, tum, csv, euroc, kitti, recording };
+/// The key `format`.
+void describe_format(config::Binder& b, ReferenceFormat& format, std::string_view doc);
 /// Whether the reference tells positions alone. `automatic`: by the content.
 enum class PositionsOnly : std::uint8_t { automatic, yes, no };
 /// Which pose of the reference belongs to which of the estimate.

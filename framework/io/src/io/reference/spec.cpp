@@ -31,14 +31,7 @@ std::filesystem::path beside(const std::filesystem::path& folder, const std::str
 void describe_file(config::Binder& b, ReferenceSpec& spec) {
   b.text("file", spec.file, "trajectory, table or recording; empty: no reference");
   b.text("times", spec.times, "file with the stamp of each pose, a line each: for the 12 numbers of KITTI");
-  b.choice("format", spec.format,
-           {{"auto", ReferenceFormat::automatic},
-            {"tum", ReferenceFormat::tum},
-            {"csv", ReferenceFormat::csv},
-            {"euroc", ReferenceFormat::euroc},
-            {"kitti", ReferenceFormat::kitti},
-            {"recording", ReferenceFormat::recording}},
-           "how poses are written; auto: by the content");
+  describe_format(b, spec.format, "how poses are written; auto: by the content");
   b.texts("columns", spec.columns, {},
           "what the columns hold, in their order: t, or sec and nsec; x, y, z; qx, qy, qz, qw, or r11 to r33; - for "
           "others. Or by the names of the header: x=pos_x");
@@ -118,6 +111,17 @@ bool is_yaml(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+void describe_format(config::Binder& b, ReferenceFormat& format, std::string_view doc) {
+  b.choice("format", format,
+           {{"auto", ReferenceFormat::automatic},
+            {"tum", ReferenceFormat::tum},
+            {"csv", ReferenceFormat::csv},
+            {"euroc", ReferenceFormat::euroc},
+            {"kitti", ReferenceFormat::kitti},
+            {"recording", ReferenceFormat::recording}},
+           doc);
+}
 
 void ReferenceSpec::describe(config::Binder& b, ReferenceSpec& spec) {
   describe_file(b, spec);

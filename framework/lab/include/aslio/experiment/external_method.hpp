@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "aslio/io/layout.hpp"
 #include "aslio/io/reference.hpp"
 
 namespace aslio::config {
@@ -26,22 +25,24 @@ enum class ExternalInput : std::uint8_t {
   folder,  ///< a PCD file for each sweep and a table of the IMU, the same
 };
 
+/// Fields or message of the points in what is written.
+enum class ExternalPoints : std::uint8_t { automatic, velodyne, ouster, hesai, livox_cloud, livox, livox2 };
+
 /// Keys of such a method: an entry of `methods` in a study, or a file (`schema: aslio/external/1`).
 struct ExternalMethod {
-  /// Words; {bag}, {output} and so on are replaced (kExternalPlaces). Empty: the trajectory is finished.
+  /// Words; {bag}, {output} and so on are replaced (external_places()). Empty: the trajectory is finished.
   std::vector<std::string> command;
   std::string trajectory;  ///< file with the poses; of a command: in its output folder
   io::ReferenceFormat format = io::ReferenceFormat::automatic;
   std::string frame = "imu";  ///< whose poses they are: imu, lidar, or one of the sensor file's transforms
   std::vector<std::string> trajectory_set;  ///< further keys of the file, `key=value` as of a reference
   ExternalInput input = ExternalInput::as_is;
-  io::LidarForm points = io::LidarForm::velodyne;  ///< of a written input, unless automatic_points
-  bool automatic_points = true;                    ///< Livox's message for a Livox, else that of velodyne_pointcloud
-  std::string engine;                              ///< docker, apptainer, or empty: no container
-  std::string image;                               ///< of the container
-  std::vector<std::string> engine_options;         ///< words for it
-  std::string folder;                 ///< of a method in a container: that of {here}; empty: that of its file
-  std::vector<double> exit_codes{0};  ///< with which the program has done its work
+  ExternalPoints points = ExternalPoints::automatic;
+  std::string engine;                       ///< docker, apptainer, or empty: no container
+  std::string image;                        ///< of the container
+  std::vector<std::string> engine_options;  ///< words for it
+  std::string folder;                       ///< of a method in a container: that of {here}; empty: that of its file
+  std::vector<double> exit_codes{0};        ///< with which the program has done its work
 
   bool given() const { return !command.empty() || !trajectory.empty(); }
   /// The keys alone: they stand beside others in a study.
