@@ -1,11 +1,20 @@
 #include "aslio/simulator/imu_model.hpp"
 
 #include <cmath>
+#include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "purposes.hpp"
 
 namespace aslio::simulator {
 namespace {
+
+constexpr double kWarmUpTime = 300;  ///< [s]
+/// Temperature coefficients of the offsets of a BMI088 (data sheet 1.9: 0.015 deg/s/K, 0.2 mg/K), as bounds.
+constexpr double kGyroPerKelvin = 0.015 * kRadPerDeg, kAccPerKelvin = 0.2e-3 * kStandardGravity;
+/// The first prism of an Avia: 7294 turns per minute.
+constexpr double kMotor = 2 * std::numbers::pi * 7294 / 60;  ///< [rad/s]
+constexpr int kFilterSteps = 16;
 
 Vec3 normal3(RandomStream& random) {
   const double x = random.normal(), y = random.normal(), z = random.normal();
@@ -51,19 +60,47 @@ ImuSimulator::ImuSimulator(const Motion& motion, TimeNs begin, const ImuModel& m
   RandomStream initial(seed, purpose::kInitialBias);
   gyro_bias_ = uniform3(initial, model.initial_gyro_bias);
   acc_bias_ = uniform3(initial, model.initial_acc_bias);
+  RandomStream temperature(seed, purpose::kTemperature), vibration(seed, purpose::kVibration);
+  gyro_per_kelvin_ = uniform3(temperature, kGyroPerKelvin);
+  acc_per_kelvin_ = uniform3(temperature, kAccPerKelvin);
+  vibration_phase_ = uniform3(vibration, std::numbers::pi);
+}
+
+ImuSimulator::Seen ImuSimulator::acting(double t) const {
+  const Vec3 gravity(0, 0, -kStandardGravity);
+  const MotionState m = motion_.at(t);
+  Seen seen{m.w, m.R.transpose() * (m.a - gravity)};
+  if (model_.vibration > 0)
+    for (int axis = 0; axis < 3; ++axis)
+      seen.force[axis] += model_.vibration * std::sin(kMotor * t + vibration_phase_[axis]);
+  return seen;
+}
+
+ImuSimulator::Seen ImuSimulator::filtered(double t) const {
+  if (model_.filter <= 0) return acting(t);
+  Seen mean;
+  for (int k = 0; k < kFilterSteps; ++k) {
+    const Seen seen = acting(t + model_.filter * ((k + 0.5) / kFilterSteps - 0.5));
+    mean.rate += seen.rate / kFilterSteps;
+    mean.force += seen.force / kFilterSteps;
+  }
+  return mean;
 }
 
 ImuSimulator::Output ImuSimulator::next() {
-  const Vec3 gravity(0, 0, -kStandardGravity);
   const double root_rate = std::sqrt(model_.rate);
   const TimeNs since = to_ns(static_cast<double>(count_++) / model_.rate);
-  const MotionState m = motion_.at(to_seconds(since) - model_.delay);
-  const Vec3 force = m.R.transpose() * (m.a - gravity);
+  const auto [rate, force] = filtered(to_seconds(since) - model_.delay);
 
   Output out{{begin_ + since, Vec3::Zero(), Vec3::Zero()}, gyro_bias_, acc_bias_};
+  if (model_.warming > 0) {
+    const double kelvin = -model_.warming * std::expm1(-to_seconds(since) / kWarmUpTime);
+    out.gyro_bias += kelvin * gyro_per_kelvin_;
+    out.acc_bias += kelvin * acc_per_kelvin_;
+  }
   ImuSample& sample = out.sample;
-  sample.gyro = calibration_.gyro_sensitivity * m.w + calibration_.g_sensitivity * force + gyro_bias_;
-  sample.acc = calibration_.acc_sensitivity * force + acc_bias_;
+  sample.gyro = calibration_.gyro_sensitivity * rate + calibration_.g_sensitivity * force + out.gyro_bias;
+  sample.acc = calibration_.acc_sensitivity * force + out.acc_bias;
   // Drawn with densities of zero, too: both walks share a stream.
   sample.gyro += model_.gyro_noise * root_rate * normal3(gyro_noise_);
   sample.acc += model_.acc_noise * root_rate * normal3(acc_noise_);
@@ -73,6 +110,13 @@ ImuSimulator::Output ImuSimulator::next() {
   gyro_bias_ += model_.gyro_bias_walk / root_rate * normal3(walk_);
   acc_bias_ += model_.acc_bias_walk / root_rate * normal3(walk_);
   return out;
+}
+
+ImuModel with_realism(ImuModel model, const ImuRealism& realism) {
+  model.filter = realism.filter;
+  model.warming = realism.temperature;
+  model.vibration = realism.vibration;
+  return model;
 }
 
 ImuRecord simulate_imu(const Motion& motion, TimeNs begin, double duration, const ImuModel& model, std::uint64_t seed) {

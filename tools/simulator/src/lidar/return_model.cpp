@@ -5,6 +5,7 @@
 
 #include "aslio/core/angles.hpp"
 #include "purposes.hpp"
+#include "range_errors.hpp"
 
 namespace aslio::simulator {
 namespace {
@@ -19,24 +20,37 @@ double cosine(double degrees) { return std::cos(degrees * kRadPerDeg); }
 
 }  // namespace
 
-ReturnModel::ReturnModel(const LidarParams& params, const SensorFacts& sensor, std::uint64_t seed, std::uint64_t packet)
+ReturnModel::ReturnModel(const LidarParams& params, const SensorFacts& sensor, std::uint64_t seed, std::uint64_t packet,
+                         const Realism& realism)
     : params_(params),
       range_noise_(params.range_noise.value_or(sensor.range_noise)),
       angle_noise_(params.angle_noise ? *params.angle_noise * kRadPerDeg : sensor.angle_noise),
       min_range_(params.min_range.value_or(sensor.min_range)),
       max_range_(params.max_range.value_or(sensor.max_range)),
-      divergence_(sensor.beam_divergence),
       cos_grazing_begin_(cosine(params.grazing_begin)),
       cos_grazing_end_(cosine(params.grazing_end)),
+      spread_azimuth_(sensor.beam_divergence),
+      spread_elevation_(sensor.beam_divergence),
       range_(seed, purpose::kRange, packet),
       angle_(seed, purpose::kAngle, packet),
       loss_(seed, purpose::kDropout, packet),
       outlier_(seed, purpose::kOutlier, packet),
-      mixed_(seed, purpose::kMixedPixel, packet) {}
+      mixed_(seed, purpose::kMixedPixel, packet),
+      glass_(seed, purpose::kGlass, packet) {
+  if (realism.footprint > 0) {
+    params_.mixed = 1;
+    spread_azimuth_ = realism.footprint * sensor.footprint_azimuth;
+    spread_elevation_ = realism.footprint * sensor.footprint_elevation;
+  }
+  if (params.noise) errors_ = std::make_unique<RangeErrors>(realism.ranging, seed);
+}
 
-Pulse ReturnModel::emit(const Beam& beam) {
+ReturnModel::~ReturnModel() = default;
+
+Pulse ReturnModel::emit(const Beam& beam, std::size_t line, double t) {
   Pulse pulse;
   pulse.direction = beam.direction;
+  pulse.glass = glass_.uniform();
   if (!params_.noise) return pulse;
   const double along_azimuth = angle_noise_ * angle_.normal(), along_elevation = angle_noise_ * angle_.normal();
   const auto deflected = [&](double azimuth, double elevation) -> Vec3 {
@@ -52,7 +66,9 @@ Pulse ReturnModel::emit(const Beam& beam) {
   pulse.mixed = mixed_.uniform() < params_.mixed;
   const double u = mixed_.uniform(-0.5, 0.5), v = mixed_.uniform(-0.5, 0.5);
   pulse.mix = mixed_.uniform();
-  if (pulse.mixed) pulse.second = deflected(along_azimuth + divergence_ * u, along_elevation + divergence_ * v);
+  if (pulse.mixed)
+    pulse.second = deflected(along_azimuth + spread_azimuth_ * u, along_elevation + spread_elevation_ * v);
+  pulse.bias = errors_->standing(line, t);
   return pulse;
 }
 
@@ -74,7 +90,10 @@ std::optional<Return> ReturnModel::receive(const Pulse& pulse, const SurfaceHit&
   const double reach = params_.weak_range * std::sqrt(echo / 0.1);
   const double near = std::clamp(1 + (reach - range) / (kFade * reach + 1e-9), 0.0, 1.0);
   if (steep <= 0 || near <= 0 || pulse.keep > steep * near) return std::nullopt;
-  range += pulse.range_error;
+  if (errors_) {
+    range += errors_->noise(range, reach) * pulse.range_error + pulse.bias +
+             errors_->of_echo(range, hit.cos_incidence, hit.reflectivity);
+  }
   if (pulse.outlier_range >= 0) range = min_range_ + pulse.outlier_range * (range - min_range_);
   if (range < min_range_ || range > max_range_) return std::nullopt;
   Return report;

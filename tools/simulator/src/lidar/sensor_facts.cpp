@@ -13,7 +13,9 @@ SensorFacts livox_avia() {
   f.max_range = 200;
   f.range_noise = 0.02;
   f.angle_noise = 0.025 * kRadPerDeg;
-  f.beam_divergence = 0.15 * kRadPerDeg;  // 0.28 deg by 0.03 deg, taken as round
+  f.beam_divergence = 0.15 * kRadPerDeg;
+  f.footprint_azimuth = 0.03 * kRadPerDeg;
+  f.footprint_elevation = 0.28 * kRadPerDeg;
   f.lidar_topic = "/livox/lidar";
   f.imu_topic = "/livox/imu";
   f.frame_id = "livox_frame";
@@ -28,6 +30,8 @@ SensorFacts livox_mid360() {
   f.max_range = 70;
   f.angle_noise = 0.05 * kRadPerDeg;
   f.beam_divergence = 0.2 * kRadPerDeg;
+  f.footprint_azimuth = 0.15 * kRadPerDeg;
+  f.footprint_elevation = 0.25 * kRadPerDeg;
   return f;
 }
 
@@ -39,7 +43,8 @@ SensorFacts spinning(std::string_view name, double max_range) {
   f.max_range = max_range;
   f.range_noise = 0.02;
   f.angle_noise = 0.02 * kRadPerDeg;
-  f.beam_divergence = 0.17 * kRadPerDeg;
+  f.beam_divergence = f.footprint_azimuth = 0.17 * kRadPerDeg;
+  f.footprint_elevation = 0.09 * kRadPerDeg;
   f.lidar_topic = "/velodyne_points";
   f.imu_topic = "/imu/data";
   f.frame_id = "velodyne";

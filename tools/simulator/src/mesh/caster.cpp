@@ -87,7 +87,9 @@ SurfaceHit on_triangle(const Mesh& mesh, std::uint32_t triangle, const Vec3& ori
   SurfaceHit hit;
   hit.range = across == 0 ? nearest : std::clamp(normal.dot(a) / across, nearest, farthest);
   hit.cos_incidence = across == 0 ? 0 : std::min(1.0, std::abs(across) / norm);
-  hit.reflectivity = mesh.reflectivity[triangle] / 255.0;
+  hit.material = mesh.reflectivity[triangle];
+  hit.reflectivity = hit.material / 255.0;
+  if (norm > 0) hit.normal = normal / norm;
   return hit;
 }
 

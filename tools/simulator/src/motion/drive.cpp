@@ -25,24 +25,6 @@ struct RoadWave {
 constexpr std::array<RoadWave, 4> kRoadWaves = {
     {{23.0, 4e-3, 0.05}, {9.1, 1e-3, 0.03}, {3.7, 1.5e-4, 0.01}, {1.93, 3e-5, 0.002}}};
 
-/// A function of one variable, given its value and derivatives there, of a function of time.
-Jet composed(double f, double df, double ddf, const Jet& x) { return {f, df * x.d, ddf * x.d * x.d + df * x.dd}; }
-Jet sine_of(const Jet& x) {
-  const double s = std::sin(x.x), c = std::cos(x.x);
-  return composed(s, c, -s, x);
-}
-Jet cosine_of(const Jet& x) {
-  const double s = std::sin(x.x), c = std::cos(x.x);
-  return composed(c, -s, -c, x);
-}
-
-/// Rises from 0 to 1 and falls back over [0, 1], with three vanishing derivatives at both ends.
-Jet bump(const Jet& u) {
-  if (u.x <= 0 || u.x >= 1) return {};
-  const Jet product = u * (Jet{1, 0, 0} + -1.0 * u), square = product * product;
-  return 256.0 * (square * square);
-}
-
 }  // namespace
 
 Drive::Drive(const RoadLine& road, const Ground& ground, const DriveParams& params, std::uint64_t seed)

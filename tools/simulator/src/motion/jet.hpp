@@ -34,6 +34,24 @@ inline Jet smooth_step(const Jet& u) {
   if (u.x >= 1) return {1, 0, 0};
   return septic({35, -84, 70, -20}, u);
 }
+/// Rises from 0 to 1 and falls back over [0, 1], with three vanishing derivatives at both ends.
+inline Jet bump(const Jet& u) {
+  if (u.x <= 0 || u.x >= 1) return {};
+  const Jet product = u * (Jet{1, 0, 0} + -1.0 * u), square = product * product;
+  return 256.0 * (square * square);
+}
+/// A function of one variable, given its value and derivatives there, of a function of time.
+inline Jet composed(double f, double df, double ddf, const Jet& x) {
+  return {f, df * x.d, ddf * x.d * x.d + df * x.dd};
+}
+inline Jet sine_of(const Jet& x) {
+  const double s = std::sin(x.x), c = std::cos(x.x);
+  return composed(s, c, -s, x);
+}
+inline Jet cosine_of(const Jet& x) {
+  const double s = std::sin(x.x), c = std::cos(x.x);
+  return composed(c, -s, -c, x);
+}
 /// 0 at both ends, with slope 1 at the second one; the other derivatives up to the third vanish.
 inline Jet slope_at_end(const Jet& u) { return septic({-15, 39, -34, 10}, u); }
 

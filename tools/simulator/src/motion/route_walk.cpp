@@ -34,6 +34,47 @@ Gait gait_of(GaitKind kind) {
   return {.frequency = 1, .height = 0, .roll = 0, .pitch = 0};
 }
 
+/// What the body adds to a gait. Jolts: 0.3 to 0.5 g at the head of who walks, 4 to 6 g in all at a sensor held by who
+/// runs. Sway of 2 to 4 cm. Physiological tremor is of 8 to 12 Hz.
+struct Body {
+  double heel = 0, sway = 0;  ///< [m/s^2], [m]
+};
+Body body_of(GaitKind kind) {
+  switch (kind) {
+    case GaitKind::walking:
+      return {.heel = 4, .sway = 0.02};
+    case GaitKind::oscillating:
+      return {.heel = 6, .sway = 0.04};
+    case GaitKind::running:
+      return {.heel = 25, .sway = 0.02};
+    case GaitKind::smooth:
+      break;
+  }
+  return {};
+}
+
+constexpr int kTremors = 3;
+constexpr double kTremorLow = 8, kTremorHigh = 12;                        // [Hz]
+constexpr double kTremorAngle = 0.1 * kRadPerDeg;                         // of all oscillations together, per axis
+constexpr double kLeanLow = 5 * kRadPerDeg, kLeanHigh = 15 * kRadPerDeg;  // roll of a turn
+
+/// Each draw has a fixed place in the stream, whatever the magnitudes are.
+void add_body(const GaitRealism& realism, GaitKind kind, bool under_way, RandomStream& random, Gait& gait) {
+  const Body body = body_of(kind);
+  gait.heel = realism.heel * body.heel;
+  gait.sway = realism.sway * body.sway;
+  const auto phase = [&] { return 2 * kPi * random.uniform(); };
+  for (int k = 0; k < kTremors; ++k) {
+    Tremor tremor;
+    tremor.frequency = random.uniform(kTremorLow, kTremorHigh);
+    tremor.amplitude.setConstant(realism.tremor * kTremorAngle / std::sqrt(kTremors));
+    for (double& p : tremor.phase) p = phase();
+    // Begins where it ends: without a swing at time 0 a walk that is under way would not.
+    if (under_way) tremor.phase.setZero();
+    if (realism.tremor > 0) gait.tremor.push_back(tremor);
+  }
+}
+
 /// One edge as walked in one of the rounds.
 struct Leg {
   std::size_t edge = 0;  ///< of the route, from 0
@@ -58,13 +99,14 @@ double angle_between(const Vec2& from, const Vec2& to, bool left) {
 
 class RoutePlan {
  public:
-  RoutePlan(const Route& route, const WalkParams& params, std::uint64_t seed)
-      : route_(route), params_(params), pace_(params.speed) {
+  RoutePlan(const Route& route, const WalkParams& params, std::uint64_t seed, const GaitRealism& realism)
+      : route_(route), params_(params), realism_(realism), pace_(params.speed) {
     plan_corners(seed);
     limit_speeds();
     lay_line();
     check_turns();
     add_glances();
+    lean(seed);
   }
 
   std::unique_ptr<Motion> walk(const Ground& ground, std::uint64_t seed) const {
@@ -73,6 +115,8 @@ class RoutePlan {
     // Roll repeats every two steps. In full walk at time 0 the gait has to pass through zero: the start is the end.
     const double steps = random.uniform(0, 2);
     gait.phase = 2 * kPi * (params_.dynamic_start ? std::floor(steps) : steps);
+    RandomStream sway(seed, purpose::kSway);
+    add_body(realism_, params_.gait, params_.dynamic_start, sway, gait);
     const Vec2& ahead = legs_.front().direction;
     return std::make_unique<Walk>(waypoints_, turns_, gait,
                                   WalkSetting{.ground = ground,
@@ -90,6 +134,7 @@ class RoutePlan {
   void walk_corner(std::size_t k);
   void check_turns() const;
   void add_glances();
+  void lean(std::uint64_t seed);
 
   void add(double t, const Leg& leg, double along, double speed) {
     const Vec2 p = leg.from + along * leg.direction, v = speed * leg.direction;
@@ -100,6 +145,7 @@ class RoutePlan {
 
   const Route& route_;
   const WalkParams& params_;
+  GaitRealism realism_;
   Pace pace_;
   std::vector<Leg> legs_;
   std::vector<Corner> corners_;  ///< [k] at the end of leg k; the last one is turned while slowing down
@@ -249,11 +295,21 @@ void RoutePlan::add_glances() {
   }
 }
 
+/// A turn is one about all axes: the head leans into it and nods.
+void RoutePlan::lean(std::uint64_t seed) {
+  RandomStream random(seed, purpose::kLean);
+  for (Turn& turn : turns_) {
+    const double share = std::min(1.0, std::abs(turn.angle) / (kPi / 2)), size = realism_.turns * share;
+    turn.roll = (turn.angle > 0 ? -size : size) * random.uniform(kLeanLow, kLeanHigh);
+    turn.pitch = size * random.uniform(-kLeanHigh, kLeanHigh);
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<Motion> make_route_walk(const Route& route, const Ground& ground, const WalkParams& params,
-                                        std::uint64_t seed) {
-  return RoutePlan(route, params, seed).walk(ground, seed);
+                                        std::uint64_t seed, const GaitRealism& realism) {
+  return RoutePlan(route, params, seed, realism).walk(ground, seed);
 }
 
 }  // namespace aslio::simulator

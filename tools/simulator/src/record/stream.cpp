@@ -36,7 +36,14 @@ RecordingStream::RecordingStream(const Simulation& simulation, const Trajectory&
       sweep_period_(to_ns(layout.sweep_period)),
       lines_(layout.lines),
       jitter_(simulation.options().seed, purpose::kStampJitter),
-      imu_loss_(simulation.options().seed, purpose::kImuLoss) {}
+      imu_loss_(simulation.options().seed, purpose::kImuLoss) {
+  constexpr double kLeastDrift = 0.05, kLeastJitter = 0.1;
+  const ClockRealism& clock = simulation.realism().clock;
+  RandomStream random(simulation.options().seed, purpose::kClock);
+  const double drift = clock.drift * random.uniform(kLeastDrift, 1), sign = random.uniform() < 0.5 ? -1 : 1;
+  imu_clock_rate_ = 1e-6 * sign * drift;
+  jitter_us_ = std::hypot(simulation.scene().stress.stamp_jitter, clock.jitter * random.uniform(kLeastJitter, 1));
+}
 
 void RecordingStream::add(const LidarPacket& packet, std::size_t index) {
   // By index, so that the loss of one packet does not depend on how many came before.
@@ -69,8 +76,9 @@ void RecordingStream::add_imu_until(TimeNs arrival) {
     ImuSample sample = samples[next_imu_];
     const TimeNs received = sample.t;
     add_truth_until(received);
-    const double jitter_us = stress.stamp_jitter * jitter_.normal();
-    TimeNs stamp = sample.t + static_cast<TimeNs>(std::llround(1e6 * stress.clock_offset + 1e3 * jitter_us));
+    const double jitter_us = jitter_us_ * jitter_.normal();
+    const double drift_ns = imu_clock_rate_ * static_cast<double>(sample.t - simulation_.begin_time());
+    TimeNs stamp = sample.t + static_cast<TimeNs>(std::llround(1e6 * stress.clock_offset + 1e3 * jitter_us + drift_ns));
     stamp = std::max(stamp, last_imu_stamp_ + 1);
     const bool lost = imu_loss_.uniform() < stress.imu_loss;
     if (lost) continue;

@@ -41,6 +41,8 @@ class RecordingStream {
   std::size_t lidar_count_ = 0, imu_count_ = 0, next_imu_ = 0, next_truth_ = 0;
   TimeNs last_imu_stamp_ = 0;
   RandomStream jitter_, imu_loss_;
+  double imu_clock_rate_ = 0;  ///< seconds that the clock of the IMU gains in one second
+  double jitter_us_ = 0;       ///< standard deviation of the stamps of the IMU
 };
 
 }  // namespace aslio::simulator

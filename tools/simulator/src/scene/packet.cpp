@@ -2,19 +2,23 @@
 #include <cmath>
 
 #include "aslio/simulator/simulation.hpp"
+#include "lidar/glass.hpp"
+#include "mesh/roughness.hpp"
 
 namespace aslio::simulator {
 namespace {
 
 constexpr TimeNs kBlock = kSecond / 100;
 constexpr std::size_t kFiringsPerView = 8;
+constexpr int kMaxPanes = 4;  ///< that one pulse is followed through
 
 /// Casts the firings of one packet. Holds the scratch that they share.
 class PacketSimulation {
  public:
   PacketSimulation(const Simulation& simulation, std::size_t index)
       : simulation_(simulation),
-        model_(simulation.scene().lidar, facts(simulation.sensor_kind()), simulation.options().seed, index),
+        model_(simulation.scene().lidar, facts(simulation.sensor_kind()), simulation.options().seed, index,
+               simulation.realism()),
         beams_(simulation.pattern().beams_per_firing()),
         pulses_(beams_.size()),
         directions_(beams_.size()),
@@ -45,7 +49,7 @@ class PacketSimulation {
     const Pose T_W_L = Pose{m.R, m.p} * simulation_.sensor().T_imu_lidar;
     simulation_.pattern().fire(since, beams_);
     for (std::size_t k = 0; k < beams_.size(); ++k) {
-      pulses_[k] = model_.emit(beams_[k]);
+      pulses_[k] = model_.emit(beams_[k], k, t);
       directions_[k] = T_W_L.R * pulses_[k].direction;
     }
     cast(T_W_L);
@@ -61,32 +65,69 @@ class PacketSimulation {
   void cast(const Pose& T_W_L) {
     if (!simulation_.pattern().has_heights()) {
       simulation_.caster().cast(T_W_L.p, directions_, model_.max_range(), hits_);
+      for (std::size_t k = 0; k < hits_.size(); ++k) simulation_.roughness().apply(T_W_L.p, directions_[k], hits_[k]);
       return;
     }
-    for (std::size_t k = 0; k < hits_.size(); ++k) {
-      hits_[k] = simulation_.caster().cast(origin(k, T_W_L), directions_[k], model_.max_range());
+    for (std::size_t k = 0; k < hits_.size(); ++k)
+      hits_[k] = cast_static(origin(k, T_W_L), directions_[k], model_.max_range());
+  }
+
+  SurfaceHit cast_static(const Vec3& from, const Vec3& direction, double max_range) const {
+    SurfaceHit hit = simulation_.caster().cast(from, direction, max_range);
+    simulation_.roughness().apply(from, direction, hit);
+    return hit;
+  }
+
+  void cast_moving(const Vec3& from, const Vec3& direction, SurfaceHit& hit) const {
+    cast_people(bodies_, from, direction, hit);
+    cast_cars(cars_, from, direction, hit);
+  }
+
+  /// Follows a pulse through panes and mirrors; the range is that of the whole way. True: by a mirror, so that what it
+  /// reports is not there.
+  bool follow_glass(Vec3 at, Vec3 direction, double draw, SurfaceHit& hit) const {
+    const double clear = simulation_.realism().glass;
+    bool mirrored = false;
+    double way = 0;
+    for (int panes = 0; panes < kMaxPanes && is_glass(hit); ++panes) {
+      const PaneEffect effect = pane_effect(draw, clear, hit.cos_incidence);
+      if (effect == PaneEffect::returned) break;
+      const double share = clear * mirrored_share(hit.cos_incidence);
+      at += (hit.range - way) * direction;
+      way = hit.range;
+      if (effect == PaneEffect::mirrored) {
+        mirrored = true;
+        direction -= 2 * direction.dot(hit.normal) * hit.normal;
+        draw /= share;
+      } else {
+        draw = (draw - share) / (clear - share);
+      }
+      hit = cast_static(at, direction, model_.max_range() - way);
+      cast_moving(at, direction, hit);
+      hit.range += way;
     }
+    return mirrored;
   }
 
   void receive(TimeNs since, std::size_t k, const Pose& T_W_L) {
     SurfaceHit& hit = hits_[k];
     const Vec3 from = origin(k, T_W_L);
-    cast_people(bodies_, from, directions_[k], hit);
-    cast_cars(cars_, from, directions_[k], hit);
+    const Pulse& pulse = pulses_[k];
+    cast_moving(from, directions_[k], hit);
+    const bool mirrored = follow_glass(from, directions_[k], pulse.glass, hit);
     if (hit.moving) {
       ++out_.blocks.back().people_rays;
-    } else if (std::isfinite(hit.range)) {
+    } else if (std::isfinite(hit.range) && !mirrored) {
       const Vec3 p_W = from + hit.range * directions_[k];
       out_.blocks.back().cells.push_back(cell_key(p_W));
       if (in_view_) out_.view.push_back(p_W.cast<float>());
     }
-    const Pulse& pulse = pulses_[k];
     SurfaceHit second;
     if (pulse.mixed) {
       const Vec3 direction = T_W_L.R * pulse.second;
-      second = simulation_.caster().cast(from, direction, model_.max_range());
-      cast_people(bodies_, from, direction, second);
-      cast_cars(cars_, from, direction, second);
+      second = cast_static(from, direction, model_.max_range());
+      cast_moving(from, direction, second);
+      follow_glass(from, direction, pulse.glass, second);
     }
     const std::optional<Return> received = model_.receive(pulse, hit, second);
     if (!received) return;

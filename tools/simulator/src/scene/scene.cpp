@@ -117,6 +117,7 @@ void Scene::describe(config::Binder& b, Scene& scene) {
   }
   b.group("lidar", scene.lidar, "errors of the LiDAR");
   b.group("imu", scene.imu, "errors of the IMU");
+  b.group("realism", scene.realism, "what real sensors, mounts, surfaces and people do besides");
   b.group("stress", scene.stress, "what goes wrong besides");
   const bool follows = !scene.follow.file.empty();
   b.require(follows != !scene.route.empty(), "route",

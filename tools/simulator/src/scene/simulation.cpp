@@ -4,11 +4,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
+#include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/spread.hpp"
 #include "aslio/simulator/random.hpp"
+#include "mesh/roughness.hpp"
 #include "purposes.hpp"
 
 namespace aslio::simulator {
@@ -92,6 +96,25 @@ SensorModel with_errors(SensorModel sensor, const StressParams& stress, std::uin
   return sensor;
 }
 
+/// A mount that is measured as well as one can: part of each bound at least.
+SensorModel with_mount(SensorModel sensor, const MountRealism& mount, std::uint64_t seed) {
+  constexpr double kLeastAngle = 0.2, kLeastOffset = 0.3;
+  RandomStream stream(seed, purpose::kMountRealism);
+  const Vec3 axis = random_direction(stream), offset = random_direction(stream);
+  const double angle = mount.angle * kRadPerDeg * stream.uniform(kLeastAngle, 1);
+  if (angle > 0) sensor.T_imu_lidar.R = Eigen::AngleAxisd(angle, axis).toRotationMatrix() * sensor.T_imu_lidar.R;
+  sensor.T_imu_lidar.p += mount.offset * stream.uniform(kLeastOffset, 1) * offset;
+  return sensor;
+}
+
+/// Of the surfaces of one world: by what it is made of.
+std::uint64_t seed_of(const Mesh& mesh) {
+  std::uint64_t seed = mesh.vertices.size();
+  for (const Eigen::Vector3f& v : mesh.vertices)
+    for (const float x : v) seed = mixed(seed + std::bit_cast<std::uint32_t>(x));
+  return seed;
+}
+
 }  // namespace
 
 std::uint64_t cell_key(const Vec3& p_W) {
@@ -105,7 +128,10 @@ std::uint64_t cell_key(const Vec3& p_W) {
 }
 
 Simulation::Simulation(const SceneFile& file, const SimulationOptions& options)
-    : scene_(file.scene), options_(options), kind_(options.sensor.value_or(file.scene.sensor)) {
+    : scene_(file.scene),
+      realism_(simulator::realism(file.scene.realism)),
+      options_(options),
+      kind_(options.sensor.value_or(file.scene.sensor)) {
   if (!(options.scale >= kMinScale && options.scale <= kMaxScale))
     throw ConfigError(fmt::format("scale is {}, must be in [{}, {}]", options.scale, kMinScale, kMaxScale));
   try {
@@ -137,7 +163,7 @@ void Simulation::build_walk(const SceneFile& file) {
   ground_ = std::move(world.ground);
   caster_ = std::make_unique<Caster>(std::move(world.mesh));
   if (route_) {
-    motion_ = make_route_walk(*route_, ground_, scene_.walk, options_.seed);
+    motion_ = make_route_walk(*route_, ground_, scene_.walk, options_.seed, realism_.gait);
     people_ = People(scene_.people, *route_, ground_, *motion_, options_.seed);
   } else {
     motion_ = follow_file(beside(file, scene_.follow.file), scene_.follow.knot_interval, &follow_error_);
@@ -151,9 +177,11 @@ void Simulation::build(const SceneFile& file) {
     build_walk(file);
   }
   pattern_ = make_scan_pattern(kind_, scene_.lidar.columns);
-  const ImuModel model = imu_model(scene_.imu);
+  const ImuModel model = with_realism(imu_model(scene_.imu), realism_.imu);
   sensor_ = true_sensor(kind_, scene_.lidar, model, options_.T_imu_lidar);
-  claimed_sensor_ = with_errors(sensor_, scene_.stress, options_.seed);
+  claimed_sensor_ = with_mount(with_errors(sensor_, scene_.stress, options_.seed), realism_.mount, options_.seed);
+  const bool scanned = scene_.world.type == WorldKind::mesh;
+  roughness_ = std::make_unique<Roughness>(scanned ? SurfaceRealism{} : realism_.surface, seed_of(caster_->mesh()));
   duration_ = std::min(motion_->duration(), options_.duration.value_or(motion_->duration()));
   const double samples = duration_ * std::max(model.rate, kTruthRate);
   if (samples > kMaxSamples)

@@ -16,6 +16,8 @@ struct SurfaceHit {
   double cos_incidence = 0;                                ///< between ray and surface normal, in [0, 1]
   double reflectivity = 0;                                 ///< in [0, 1]
   bool moving = false;                                     ///< a person
+  std::uint8_t material = 0;                               ///< reflectivity of the triangle as in Mesh
+  Vec3 normal = Vec3::UnitZ();                             ///< of the triangle, unit; on either side
 };
 
 /// Embree scene over a mesh. Thread-safe after construction.

@@ -7,6 +7,7 @@
 #include "aslio/core/types.hpp"
 #include "aslio/simulator/motion.hpp"
 #include "aslio/simulator/random.hpp"
+#include "aslio/simulator/realism.hpp"
 
 namespace aslio::simulator {
 
@@ -26,7 +27,13 @@ struct ImuModel {
   double cross_axis = 0;     ///< up to this, each off-diagonal term of both sensitivity matrices
   double g_sensitivity = 0;  ///< up to this, each term of the gyro's response to force [rad/s per m/s^2]
   double delay = 0;          ///< a sample shows the motion this much earlier (low-pass filter) [s]
+  double filter = 0;         ///< a sample is the mean over this time, about the time less `delay` [s]
+  double warming = 0;        ///< from switching on, time constant 300 s [K]; the biases drift with it
+  double vibration = 0;      ///< amplitude on each axis of the accelerometer, of the LiDAR's motor [m/s^2]
 };
+
+/// The model with what realism adds.
+ImuModel with_realism(ImuModel model, const ImuRealism& realism);
 
 /// What is constant for one sensor: it measures gyro_sensitivity w + g_sensitivity f and acc_sensitivity f of the
 /// angular rate w and the specific force f.
@@ -53,12 +60,22 @@ class ImuSimulator {
   const ImuCalibration& calibration() const { return calibration_; }
 
  private:
+  struct Seen {
+    Vec3 rate = Vec3::Zero(), force = Vec3::Zero();  ///< [rad/s], [m/s^2]
+  };
+  /// What acts on the sensor at a time of the motion.
+  Seen acting(double t) const;
+  /// The mean of it over the filter.
+  Seen filtered(double t) const;
+
   const Motion& motion_;
   TimeNs begin_;
   ImuModel model_;
   ImuCalibration calibration_;
   RandomStream walk_, gyro_noise_, acc_noise_;
   Vec3 gyro_bias_ = Vec3::Zero(), acc_bias_ = Vec3::Zero();
+  Vec3 gyro_per_kelvin_ = Vec3::Zero(), acc_per_kelvin_ = Vec3::Zero();  ///< [rad/s/K], [m/s^2/K]
+  Vec3 vibration_phase_ = Vec3::Zero();                                  ///< [rad]
   std::int64_t count_ = 0;
 };
 

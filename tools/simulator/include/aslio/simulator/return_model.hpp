@@ -2,10 +2,12 @@
 /// From what a ray met to what a LiDAR reports of it.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "aslio/simulator/caster.hpp"
 #include "aslio/simulator/random.hpp"
+#include "aslio/simulator/realism.hpp"
 #include "aslio/simulator/scan_pattern.hpp"
 
 namespace aslio::config {
@@ -42,18 +44,25 @@ struct Pulse {
   bool lost = false;
   bool mixed = false;           ///< cast `second`, too
   Vec3 second = Vec3::UnitX();  ///< another direction within the footprint, unit
-  double range_error = 0;       ///< [m]
+  double range_error = 0;       ///< random [m]
+  double bias = 0;              ///< systematic, whatever is hit [m]
   double keep = 0;              ///< uniform draw against losses by range and incidence
   double outlier_range = -1;    ///< [m]; negative: none
   double mix = 0.5;             ///< weight of the second surface
+  double glass = 1;             ///< uniform draw: what a pane does to it
 };
+
+class RangeErrors;
 
 /// One for each packet: its streams depend on (seed, packet) alone, so packets can be simulated in any order.
 class ReturnModel {
  public:
-  ReturnModel(const LidarParams& params, const SensorFacts& sensor, std::uint64_t seed, std::uint64_t packet);
+  ReturnModel(const LidarParams& params, const SensorFacts& sensor, std::uint64_t seed, std::uint64_t packet,
+              const Realism& realism = {});
+  ~ReturnModel();
 
-  Pulse emit(const Beam& beam);
+  /// `line` and the time since the sensor was switched on [s] matter to systematic errors alone.
+  Pulse emit(const Beam& beam, std::size_t line = 0, double t = 0);
   /// Nothing when the pulse does not come back. `second` is what Pulse::second met (pulses that are mixed).
   std::optional<Return> receive(const Pulse& pulse, const SurfaceHit& hit, const SurfaceHit& second) const;
 
@@ -62,8 +71,10 @@ class ReturnModel {
 
  private:
   LidarParams params_;
-  double range_noise_, angle_noise_, min_range_, max_range_, divergence_, cos_grazing_begin_, cos_grazing_end_;
-  RandomStream range_, angle_, loss_, outlier_, mixed_;
+  double range_noise_, angle_noise_, min_range_, max_range_, cos_grazing_begin_, cos_grazing_end_;
+  double spread_azimuth_, spread_elevation_;  ///< of the footprint [rad]
+  RandomStream range_, angle_, loss_, outlier_, mixed_, glass_;
+  std::unique_ptr<RangeErrors> errors_;  ///< none without realism
 };
 
 }  // namespace aslio::simulator

@@ -7,6 +7,7 @@
 
 #include "aslio/simulator/ground.hpp"
 #include "aslio/simulator/motion.hpp"
+#include "aslio/simulator/realism.hpp"
 #include "aslio/simulator/route.hpp"
 
 namespace aslio::config {
@@ -44,9 +45,9 @@ struct WalkParams {
 
 /// Begins at the first point of the route, looking along its first edge, and ends there in exactly the same pose
 /// (position and rotation to 1e-9). Heading follows the edges; each change of direction is one sharp turn whose peak
-/// rate is 2.1875 angle / time. `seed` draws turn times and the phases of the gait. Throws ConfigError when the route
-/// is too tight for the parameters, naming the edge.
+/// rate is 2.1875 angle / time. `seed` draws turn times, the phases of the gait and what realism adds. Throws
+/// ConfigError when the route is too tight for the parameters, naming the edge.
 std::unique_ptr<Motion> make_route_walk(const Route& route, const Ground& ground, const WalkParams& params,
-                                        std::uint64_t seed);
+                                        std::uint64_t seed, const GaitRealism& realism = {});
 
 }  // namespace aslio::simulator

@@ -44,12 +44,13 @@ std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind, std::int64_t col
 
 /// What belongs to a sensor besides its pattern.
 struct SensorFacts {
-  std::string_view name;                    ///< as in scene files and `--sensor`
-  Vec3 p_imu_lidar = Vec3::Zero();          ///< origin of L in I [m]; R = identity
-  double min_range = 0.5, max_range = 100;  ///< [m]
-  double range_noise = 0.02;                ///< standard deviation [m]
-  double angle_noise = 4.363e-4;            ///< standard deviation per axis [rad]
-  double beam_divergence = 1e-3;            ///< full angle [rad]: mixed pixels
+  std::string_view name;                                        ///< as in scene files and `--sensor`
+  Vec3 p_imu_lidar = Vec3::Zero();                              ///< origin of L in I [m]; R = identity
+  double min_range = 0.5, max_range = 100;                      ///< [m]
+  double range_noise = 0.02;                                    ///< standard deviation [m]
+  double angle_noise = 4.363e-4;                                ///< standard deviation per axis [rad]
+  double beam_divergence = 1e-3;                                ///< full angle, taken as round [rad]: mixed pixels
+  double footprint_azimuth = 1e-3, footprint_elevation = 1e-3;  ///< full angles [rad]: with realism
   std::string_view lidar_topic, imu_topic, frame_id;
 };
 const SensorFacts& facts(SensorKind kind);

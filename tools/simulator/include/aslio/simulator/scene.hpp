@@ -13,6 +13,7 @@
 #include "aslio/simulator/mesh_file.hpp"
 #include "aslio/simulator/people.hpp"
 #include "aslio/simulator/pose_spline.hpp"
+#include "aslio/simulator/realism.hpp"
 #include "aslio/simulator/return_model.hpp"
 #include "aslio/simulator/route_walk.hpp"
 #include "aslio/simulator/worlds/approach.hpp"
@@ -74,6 +75,7 @@ struct Scene {
   CarsParams cars;
   LidarParams lidar;
   ImuParams imu;
+  RealismParams realism;
   StressParams stress;
   static void describe(config::Binder& b, Scene& scene);
 };

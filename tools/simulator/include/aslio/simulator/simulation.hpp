@@ -48,6 +48,8 @@ inline constexpr double kOverlapCell = 0.2;
 /// would be cut in two by the last bit of a coordinate, and be unknown twice.
 std::uint64_t cell_key(const Vec3& p_W);
 
+class Roughness;
+
 /// Thread-safe: const after construction.
 class Simulation {
  public:
@@ -75,6 +77,8 @@ class Simulation {
   /// Only for drives.
   const RoadLine* road() const { return road_.get(); }
   const ScanPattern& pattern() const { return *pattern_; }
+  const Realism& realism() const { return realism_; }
+  const Roughness& roughness() const { return *roughness_; }
   double duration() const { return duration_; }  ///< [s]
   TimeNs begin_time() const { return options_.begin; }
   TimeNs end_time() const;
@@ -95,6 +99,7 @@ class Simulation {
   void build_walk(const SceneFile& file);
 
   Scene scene_;
+  Realism realism_;
   SimulationOptions options_;
   SensorKind kind_;
   SensorModel sensor_, claimed_sensor_;
@@ -103,6 +108,7 @@ class Simulation {
   std::unique_ptr<Motion> motion_;
   double follow_error_ = 0, duration_ = 0;
   std::unique_ptr<Caster> caster_;
+  std::unique_ptr<Roughness> roughness_;
   Ground ground_;
   People people_;
   Cars cars_;
