@@ -1,5 +1,6 @@
 #include "aslio/simulator/imu_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,8 +13,6 @@ namespace {
 constexpr double kWarmUpTime = 300;  ///< [s]
 /// Temperature coefficients of the offsets of a BMI088 (data sheet: 0.015 deg/s/K, 0.2 mg/K), as bounds.
 constexpr double kGyroPerKelvin = 0.015 * kRadPerDeg, kAccPerKelvin = 0.2e-3 * kStandardGravity;
-/// The first prism of an Avia: 7294 turns per minute.
-constexpr double kMotor = 2 * std::numbers::pi * 7294 / 60;  ///< [rad/s]
 constexpr int kFilterSteps = 16;
 
 Vec3 normal3(RandomStream& random) {
@@ -70,9 +69,10 @@ ImuSimulator::Seen ImuSimulator::acting(double t) const {
   const Vec3 gravity(0, 0, -kStandardGravity);
   const MotionState m = motion_.at(t);
   Seen seen{m.w, m.R.transpose() * (m.a - gravity)};
-  if (model_.vibration > 0)
+  const double w = 2 * std::numbers::pi * model_.motor;
+  if (model_.vibration > 0 && w > 0)
     for (int axis = 0; axis < 3; ++axis)
-      seen.force[axis] += model_.vibration * std::sin(kMotor * t + vibration_phase_[axis]);
+      seen.force[axis] += model_.vibration * std::sin(w * t + vibration_phase_[axis]);
   return seen;
 }
 
@@ -112,8 +112,10 @@ ImuSimulator::Output ImuSimulator::next() {
   return out;
 }
 
-ImuModel with_realism(ImuModel model, const ImuRealism& realism) {
-  model.filter = realism.filter;
+ImuModel with_realism(ImuModel model, const ImuRealism& realism, double motor) {
+  model.filter = realism.filter / model.rate;
+  model.delay = std::max(model.delay, 0.5 * model.filter);
+  model.motor = motor;
   model.warming = realism.temperature;
   model.vibration = realism.vibration;
   return model;

@@ -36,8 +36,9 @@ ReturnModel::ReturnModel(const LidarParams& params, const SensorFacts& sensor, s
       loss_(seed, purpose::kDropout, packet),
       outlier_(seed, purpose::kOutlier, packet),
       mixed_(seed, purpose::kMixedPixel, packet),
-      glass_(seed, purpose::kGlass, packet) {
-  if (realism.footprint > 0) {
+      glass_(seed, purpose::kGlass, packet),
+      footprint_(realism.footprint > 0) {
+  if (footprint_) {
     params_.mixed = 1;
     spread_azimuth_ = realism.footprint * sensor.footprint_azimuth;
     spread_elevation_ = realism.footprint * sensor.footprint_elevation;
@@ -73,7 +74,11 @@ Pulse ReturnModel::emit(const Beam& beam, std::size_t line, double t) {
 }
 
 std::optional<Return> ReturnModel::receive(const Pulse& pulse, const SurfaceHit& hit, const SurfaceHit& second) const {
-  if (pulse.lost || !std::isfinite(hit.range)) return std::nullopt;
+  if (pulse.lost) return std::nullopt;
+  // A footprint at an edge against the sky returns with the share of it that the surface covers.
+  const bool covered = footprint_ && pulse.mixed && !std::isfinite(hit.range) && std::isfinite(second.range);
+  if (covered) return pulse.mix < 0.5 ? reported(pulse, second, second.range) : std::nullopt;
+  if (!std::isfinite(hit.range)) return std::nullopt;
   double range = hit.range;
   if (pulse.mixed && std::isfinite(second.range)) {
     const double apart = std::abs(second.range - hit.range);
@@ -83,6 +88,13 @@ std::optional<Return> ReturnModel::receive(const Pulse& pulse, const SurfaceHit&
       range = pulse.mix * hit.range + (1 - pulse.mix) * second.range;
     }
   }
+  // The surface that the range is of decides on the echo.
+  const bool of_second =
+      footprint_ && range != hit.range && std::abs(range - second.range) < std::abs(range - hit.range);
+  return reported(pulse, of_second ? second : hit, range);
+}
+
+std::optional<Return> ReturnModel::reported(const Pulse& pulse, const SurfaceHit& hit, double range) const {
   // What is left of the pulse: by incidence, and by range against what the surface sends back.
   const double steep =
       std::clamp((hit.cos_incidence - cos_grazing_end_) / (cos_grazing_begin_ - cos_grazing_end_), 0.0, 1.0);

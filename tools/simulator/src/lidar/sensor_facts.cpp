@@ -16,6 +16,7 @@ SensorFacts livox_avia() {
   f.beam_divergence = 0.15 * kRadPerDeg;
   f.footprint_azimuth = 0.03 * kRadPerDeg;
   f.footprint_elevation = 0.28 * kRadPerDeg;
+  f.motor = 7294.0 / 60;  // the first prism
   f.lidar_topic = "/livox/lidar";
   f.imu_topic = "/livox/imu";
   f.frame_id = "livox_frame";
@@ -32,6 +33,7 @@ SensorFacts livox_mid360() {
   f.beam_divergence = 0.2 * kRadPerDeg;
   f.footprint_azimuth = 0.15 * kRadPerDeg;
   f.footprint_elevation = 0.25 * kRadPerDeg;
+  f.motor = 0;
   return f;
 }
 
@@ -45,6 +47,7 @@ SensorFacts spinning(std::string_view name, double max_range) {
   f.angle_noise = 0.02 * kRadPerDeg;
   f.beam_divergence = f.footprint_azimuth = 0.17 * kRadPerDeg;
   f.footprint_elevation = 0.09 * kRadPerDeg;
+  f.motor = 10;
   f.lidar_topic = "/velodyne_points";
   f.imu_topic = "/imu/data";
   f.frame_id = "velodyne";

@@ -61,8 +61,8 @@ MaterialRoughness roughness_of(std::uint8_t reflectivity) {
       return of(0, 10);
     case material::kCloth:
       return of(2, 2);
-    case material::kGlass:
-      return of(0.3, 0);
+    case material::kGlass:  // float glass
+      return of(0, 0);
     default:
       return of(1, 0.3);
   }

@@ -59,7 +59,7 @@ constexpr double kTremorAngle = 0.1 * kRadPerDeg;                         // of 
 constexpr double kLeanLow = 5 * kRadPerDeg, kLeanHigh = 15 * kRadPerDeg;  // roll of a turn
 
 /// Each draw has a fixed place in the stream, whatever the magnitudes are.
-void add_body(const GaitRealism& realism, GaitKind kind, bool under_way, RandomStream& random, Gait& gait) {
+void add_body(const GaitRealism& realism, GaitKind kind, RandomStream& random, Gait& gait) {
   const Body body = body_of(kind);
   gait.heel = realism.heel * body.heel;
   gait.sway = realism.sway * body.sway;
@@ -69,8 +69,6 @@ void add_body(const GaitRealism& realism, GaitKind kind, bool under_way, RandomS
     tremor.frequency = random.uniform(kTremorLow, kTremorHigh);
     tremor.amplitude.setConstant(realism.tremor * kTremorAngle / std::sqrt(kTremors));
     for (double& p : tremor.phase) p = phase();
-    // Begins where it ends: without a swing at time 0 a walk that is under way would not.
-    if (under_way) tremor.phase.setZero();
     if (realism.tremor > 0) gait.tremor.push_back(tremor);
   }
 }
@@ -116,7 +114,7 @@ class RoutePlan {
     const double steps = random.uniform(0, 2);
     gait.phase = 2 * kPi * (params_.dynamic_start ? std::floor(steps) : steps);
     RandomStream sway(seed, purpose::kSway);
-    add_body(realism_, params_.gait, params_.dynamic_start, sway, gait);
+    add_body(realism_, params_.gait, sway, gait);
     const Vec2& ahead = legs_.front().direction;
     return std::make_unique<Walk>(waypoints_, turns_, gait,
                                   WalkSetting{.ground = ground,
@@ -289,8 +287,8 @@ void RoutePlan::add_glances() {
             fmt::format("walk.glances[{}]: at {:g} of the round it lasts {:.2f} s longer than the walk; "
                         "make `at` smaller or standstill longer",
                         k, glance.at, back + glance.turn - end));
-      turns_.push_back({begin, glance.turn, glance.angle * kRadPerDeg});
-      turns_.push_back({back, glance.turn, -glance.angle * kRadPerDeg});
+      turns_.push_back({.begin = begin, .duration = glance.turn, .angle = glance.angle * kRadPerDeg, .glance = true});
+      turns_.push_back({.begin = back, .duration = glance.turn, .angle = -glance.angle * kRadPerDeg, .glance = true});
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "motion_state.hpp"
@@ -94,6 +95,7 @@ Walk::Gaited Walk::body(double t) const {
 Walk::Walk(std::vector<Waypoint> waypoints, std::vector<Turn> turns, const Gait& gait, WalkSetting setting)
     : waypoints_(std::move(waypoints)), turns_(std::move(turns)), gait_(gait), setting_(std::move(setting)) {
   std::stable_sort(turns_.begin(), turns_.end(), [](const Turn& a, const Turn& b) { return a.begin < b.begin; });
+  std::copy_if(turns_.begin(), turns_.end(), std::back_inserter(glances_), [](const Turn& t) { return t.glance; });
   angle_before_.push_back(setting_.heading);
   has_body_ = gait_.heel > 0 || gait_.sway > 0 || !gait_.tremor.empty();
   if (gait_.heel > 0) jolt_ = jolt_of(gait_.heel, gait_.heel_time, gait_.frequency);
@@ -139,8 +141,11 @@ MotionState Walk::at(double t) const {
     if (has_body_) {
       const Gaited s = body(t);
       const Jet side = fade * s.side;
-      x = x + -1.0 * (side * sine_of(yaw));
-      y = y + side * cosine_of(yaw);
+      Jet heading = yaw;
+      for (const Turn& glance : glances_)
+        heading = heading + -glance.angle * smooth_step(unit_time(slow, glance.begin, glance.duration));
+      x = x + -1.0 * (side * sine_of(heading));
+      y = y + side * cosine_of(heading);
       z = z + fade * s.height;
       pitch = pitch + fade * s.pitch;
       roll = roll + fade * s.roll;

@@ -27,7 +27,7 @@ Realism preset_realism(RealismPreset preset) {
   r.surface = {.unevenness = 1, .relief = 1};
   r.glass = 0.9;
   r.gait = {.heel = 1, .sway = 1, .tremor = 1, .turns = 1};
-  r.imu = {.filter = 0.005, .temperature = 10, .vibration = 0.3};
+  r.imu = {.filter = 1, .temperature = 10, .vibration = 0.3};
   return r;
 }
 
@@ -94,30 +94,35 @@ void RealismParams::Surface::describe(config::Binder& b, Surface& p) {
 
 void RealismParams::Gait::describe(config::Binder& b, Gait& p) {
   b.optional_real("heel", p.heel, "1", kMultiple, kPresets, "jolt of each step, as a multiple of the gait's usual one");
-  b.optional_real("sway", p.sway, "1", kMultiple, kPresets, "from side to side, as a multiple of the gait's usual one");
+  b.optional_real("sway", p.sway, "1", {.min = 0.0, .max = 2.5}, kPresets,
+                  "from side to side, as a multiple of the gait's usual one");
   b.optional_real("tremor", p.tremor, "1", kMultiple, kPresets, "of the hand at 8 to 12 Hz, as a multiple of 0.1 deg");
   b.optional_real("turns", p.turns, "1", kMultiple, kPresets,
                   "roll and pitch in each turn, as a multiple of 5 to 15 deg");
 }
 
 void RealismParams::Imu::describe(config::Binder& b, Imu& p) {
-  b.optional_real("filter", p.filter, "ms", {.min = 0.0, .max = 100.0}, kPresets,
-                  "a sample is the mean of this time; its middle is the sample's time less imu.delay");
+  b.optional_real("filter", p.filter, "1", kMultiple, kPresets,
+                  "a sample is the mean of so many sample times before it; imu.delay is half of that at least");
   b.optional_real("temperature", p.temperature, "K", {.min = 0.0, .max = 60.0}, kPresets,
                   "the IMU warms by this, with a time constant of 300 s: its biases drift");
   b.optional_real("vibration", p.vibration, "m/s^2", {.min = 0.0, .max = 50.0}, kPresets,
-                  "amplitude of the LiDAR's motor on each axis of the accelerometer");
+                  "amplitude of the LiDAR's motor on each axis of the accelerometer, where its speed is published");
 }
 
 void RealismParams::describe(config::Binder& b, RealismParams& params) {
   b.choice("preset", params.preset, {{"none", RealismPreset::none}, {"realistic", RealismPreset::realistic}},
            "what absent keys are: none: 0. realistic: values of the literature");
   b.texts("parts", params.parts, RealismParams{}.parts, "which parts the preset fills");
+  b.require(params.preset != RealismPreset::none || params.parts == RealismParams{}.parts, "parts",
+            "names parts of a preset: give preset: realistic, too");
   b.group("mount", params.mount, "the sensor file is wrong");
   b.group("clock", params.clock, "stamps of the IMU");
-  b.group("ranging", params.ranging, "systematic errors of the LiDAR");
-  b.optional_real("footprint", params.footprint, "1", kMultiple, kPresets,
-                  "every pulse has a footprint, as a multiple of the data sheet's");
+  b.group("ranging", params.ranging, "errors of a range beside its white noise; without lidar.noise there are none");
+  // The bodies of people are looked for within 0.3 deg of a beam.
+  b.optional_real("footprint", params.footprint, "1", {.min = 0.0, .max = 2.0}, kPresets,
+                  "every pulse has a footprint, as a multiple of the data sheet's, whatever lidar.mixed is; without "
+                  "lidar.noise there is none");
   b.group("surface", params.surface, "roughness; a world of type mesh has its own");
   b.optional_real("glass", params.glass, "1", {.min = 0.0, .max = 1.0}, kPresets,
                   "share of the pulses for which a pane is clear: they pass it or are mirrored; 0: it is opaque");
@@ -146,7 +151,7 @@ Realism realism(const RealismParams& p) {
   override_with(p.gait.sway, 1, r.gait.sway);
   override_with(p.gait.tremor, 1, r.gait.tremor);
   override_with(p.gait.turns, 1, r.gait.turns);
-  override_with(p.imu.filter, 1e-3, r.imu.filter);
+  override_with(p.imu.filter, 1, r.imu.filter);
   override_with(p.imu.temperature, 1, r.imu.temperature);
   override_with(p.imu.vibration, 1, r.imu.vibration);
   return r;

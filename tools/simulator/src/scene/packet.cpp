@@ -44,7 +44,7 @@ class PacketSimulation {
 
  private:
   void fire(TimeNs since) {
-    const double t = to_seconds(since);
+    const double t = t_ = to_seconds(since);
     const MotionState m = simulation_.motion().at(t);
     const Pose T_W_L = Pose{m.R, m.p} * simulation_.sensor().T_imu_lidar;
     simulation_.pattern().fire(since, beams_);
@@ -78,16 +78,22 @@ class PacketSimulation {
     return hit;
   }
 
-  void cast_moving(const Vec3& from, const Vec3& direction, SurfaceHit& hit) const {
-    cast_people(bodies_, from, direction, hit);
-    cast_cars(cars_, from, direction, hit);
+  /// People and cars on the way of a pulse. Those in view of the beams were found before; behind a mirror others are.
+  void cast_moving(const Vec3& from, const Vec3& direction, bool mirrored, SurfaceHit& hit) {
+    if (mirrored) {
+      simulation_.people().in_view(t_, from, {&direction, 1}, behind_mirror_);
+      simulation_.cars().in_view(t_, from, {&direction, 1}, cars_behind_mirror_);
+    }
+    cast_people(mirrored ? behind_mirror_ : bodies_, from, direction, hit);
+    cast_cars(mirrored ? cars_behind_mirror_ : cars_, from, direction, hit);
   }
 
   /// Follows a pulse through panes and mirrors; the range is that of the whole way. True: by a mirror, so that what it
   /// reports is not there.
-  bool follow_glass(Vec3 at, Vec3 direction, double draw, SurfaceHit& hit) const {
+  bool follow_glass(const Vec3& from, Vec3 direction, double draw, SurfaceHit& hit) {
     const double clear = simulation_.realism().glass;
     bool mirrored = false;
+    Vec3 at = from;
     double way = 0;
     for (int panes = 0; panes < kMaxPanes && is_glass(hit); ++panes) {
       const PaneEffect effect = pane_effect(draw, clear, hit.cos_incidence);
@@ -99,21 +105,35 @@ class PacketSimulation {
         mirrored = true;
         direction -= 2 * direction.dot(hit.normal) * hit.normal;
         draw /= share;
+        hit = behind(at, direction, way, mirrored);
       } else {
         draw = (draw - share) / (clear - share);
+        hit = behind(at, direction, way, mirrored);
+        // The other face of the same pane.
+        if (is_glass(hit) && hit.range - way < kPaneThickness) {
+          at += (hit.range - way) * direction;
+          way = hit.range;
+          hit = behind(at, direction, way, mirrored);
+        }
       }
-      hit = cast_static(at, direction, model_.max_range() - way);
-      cast_moving(at, direction, hit);
-      hit.range += way;
     }
     return mirrored;
+  }
+
+  /// What a pulse meets that goes on from a pane.
+  SurfaceHit behind(const Vec3& at, const Vec3& direction, double way, bool mirrored) {
+    const Vec3 start = at + kBehindPane * direction;
+    SurfaceHit hit = cast_static(start, direction, model_.max_range() - way);
+    cast_moving(start, direction, mirrored, hit);
+    hit.range += way + kBehindPane;
+    return hit;
   }
 
   void receive(TimeNs since, std::size_t k, const Pose& T_W_L) {
     SurfaceHit& hit = hits_[k];
     const Vec3 from = origin(k, T_W_L);
     const Pulse& pulse = pulses_[k];
-    cast_moving(from, directions_[k], hit);
+    cast_moving(from, directions_[k], false, hit);
     const bool mirrored = follow_glass(from, directions_[k], pulse.glass, hit);
     if (hit.moving) {
       ++out_.blocks.back().people_rays;
@@ -126,7 +146,7 @@ class PacketSimulation {
     if (pulse.mixed) {
       const Vec3 direction = T_W_L.R * pulse.second;
       second = cast_static(from, direction, model_.max_range());
-      cast_moving(from, direction, second);
+      cast_moving(from, direction, false, second);
       follow_glass(from, direction, pulse.glass, second);
     }
     const std::optional<Return> received = model_.receive(pulse, hit, second);
@@ -153,6 +173,9 @@ class PacketSimulation {
   std::vector<SurfaceHit> hits_;
   std::vector<Body> bodies_;
   std::vector<CarBody> cars_;
+  std::vector<Body> behind_mirror_;
+  std::vector<CarBody> cars_behind_mirror_;
+  double t_ = 0;  ///< of the firing, since the start [s]
   std::size_t firings_ = 0;
   TimeNs block_ = 0;
   bool in_view_ = false;

@@ -60,6 +60,31 @@ void WorldParams::describe(config::Binder& b, WorldParams& params) {
   describe_world(b, params);
 }
 
+std::uint64_t world_seed(const WorldParams& params) {
+  const auto seed = [&]() -> std::int64_t {
+    switch (params.type) {
+      case WorldKind::office:
+        return params.office.seed;
+      case WorldKind::garage:
+        return params.garage.seed;
+      case WorldKind::library:
+        return params.library.seed;
+      case WorldKind::campus:
+        return params.campus.seed;
+      case WorldKind::approach:
+        return params.approach.seed;
+      case WorldKind::doorway:
+        return params.doorway.seed;
+      case WorldKind::street:
+        return params.street.seed;
+      case WorldKind::mesh:
+        break;
+    }
+    return 1;
+  };
+  return static_cast<std::uint64_t>(seed());
+}
+
 void RoutePoint::describe(config::Binder& b, RoutePoint& point) {
   b.real("x", point.x, "m", {.min = -2000.0, .max = 2000.0}, "position in the plan");
   b.real("y", point.y, "m", {.min = -2000.0, .max = 2000.0}, "position in the plan");
@@ -78,6 +103,19 @@ void StressParams::describe(config::Binder& b, StressParams& params) {
 }
 
 namespace {
+
+/// Keys of realism that would do nothing.
+void require_realism(config::Binder& b, const Scene& scene) {
+  const RealismParams& r = scene.realism;
+  const auto given = [](const std::optional<double>& value) { return value.value_or(0) > 0; };
+  const bool gait = given(r.gait.heel) || given(r.gait.sway) || given(r.gait.tremor) || given(r.gait.turns);
+  const bool walked = scene.motion == MotionKind::walk && scene.follow.file.empty();
+  b.require(!gait || walked, "realism", "gait needs a route that is walked: leave the keys of realism.gait out");
+  b.require(!(given(r.gait.heel) || given(r.gait.sway)) || scene.walk.gait != GaitKind::smooth, "realism",
+            "heel and sway need steps: walk.gait is smooth");
+  b.require(!(given(r.surface.unevenness) || given(r.surface.relief)) || scene.world.type != WorldKind::mesh, "realism",
+            "a world of type mesh has the surfaces of its triangles: leave the keys of realism.surface out");
+}
 
 /// Which motion fits which world.
 void require_places(config::Binder& b, const Scene& scene) {
@@ -123,6 +161,7 @@ void Scene::describe(config::Binder& b, Scene& scene) {
   b.require(follows != !scene.route.empty(), "route",
             "give either route (at least 2 points) or follow.file, one of the two");
   require_places(b, scene);
+  require_realism(b, scene);
   const PeopleParams& people = scene.people;
   b.require(!follows || people.walking + people.ahead + people.crossing == 0, "people",
             "people walk along a route: a scene that follows a file has none");

@@ -4,13 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/errors.hpp"
-#include "aslio/core/spread.hpp"
 #include "aslio/simulator/random.hpp"
 #include "mesh/roughness.hpp"
 #include "purposes.hpp"
@@ -107,14 +105,6 @@ SensorModel with_mount(SensorModel sensor, const MountRealism& mount, std::uint6
   return sensor;
 }
 
-/// Of the surfaces of one world: by what it is made of.
-std::uint64_t seed_of(const Mesh& mesh) {
-  std::uint64_t seed = mesh.vertices.size();
-  for (const Eigen::Vector3f& v : mesh.vertices)
-    for (const float x : v) seed = mixed(seed + std::bit_cast<std::uint32_t>(x));
-  return seed;
-}
-
 }  // namespace
 
 std::uint64_t cell_key(const Vec3& p_W) {
@@ -134,6 +124,11 @@ Simulation::Simulation(const SceneFile& file, const SimulationOptions& options)
       kind_(options.sensor.value_or(file.scene.sensor)) {
   if (!(options.scale >= kMinScale && options.scale <= kMaxScale))
     throw ConfigError(fmt::format("scale is {}, must be in [{}, {}]", options.scale, kMinScale, kMaxScale));
+  // A scanned mesh has its own surfaces, and what of it is glass is not known.
+  if (scene_.world.type == WorldKind::mesh) {
+    realism_.surface = {};
+    if (!scene_.realism.glass) realism_.glass = 0;
+  }
   try {
     build(file);
   } catch (const ConfigError& error) {
@@ -164,7 +159,9 @@ void Simulation::build_walk(const SceneFile& file) {
   caster_ = std::make_unique<Caster>(std::move(world.mesh));
   if (route_) {
     motion_ = make_route_walk(*route_, ground_, scene_.walk, options_.seed, realism_.gait);
-    people_ = People(scene_.people, *route_, ground_, *motion_, options_.seed);
+    // Of the walk without a body, so that gait moves nobody else.
+    const std::unique_ptr<Motion> plain = make_route_walk(*route_, ground_, scene_.walk, options_.seed);
+    people_ = People(scene_.people, *route_, ground_, *plain, options_.seed);
   } else {
     motion_ = follow_file(beside(file, scene_.follow.file), scene_.follow.knot_interval, &follow_error_);
   }
@@ -177,11 +174,13 @@ void Simulation::build(const SceneFile& file) {
     build_walk(file);
   }
   pattern_ = make_scan_pattern(kind_, scene_.lidar.columns);
-  const ImuModel model = with_realism(imu_model(scene_.imu), realism_.imu);
+  const ImuModel model = with_realism(imu_model(scene_.imu), realism_.imu, facts(kind_).motor);
   sensor_ = true_sensor(kind_, scene_.lidar, model, options_.T_imu_lidar);
-  claimed_sensor_ = with_mount(with_errors(sensor_, scene_.stress, options_.seed), realism_.mount, options_.seed);
-  const bool scanned = scene_.world.type == WorldKind::mesh;
-  roughness_ = std::make_unique<Roughness>(scanned ? SurfaceRealism{} : realism_.surface, seed_of(caster_->mesh()));
+  claimed_sensor_ = with_errors(sensor_, scene_.stress, options_.seed);
+  // A recording in another's layout has its sensor file: there it is the mount that is wrong.
+  SensorModel& off = options_.T_imu_lidar ? sensor_ : claimed_sensor_;
+  off = with_mount(off, realism_.mount, options_.seed);
+  roughness_ = std::make_unique<Roughness>(realism_.surface, world_seed(scene_.world));
   duration_ = std::min(motion_->duration(), options_.duration.value_or(motion_->duration()));
   const double samples = duration_ * std::max(model.rate, kTruthRate);
   if (samples > kMaxSamples)

@@ -30,10 +30,12 @@ struct ImuModel {
   double filter = 0;         ///< a sample is the mean over this time, about the time less `delay` [s]
   double warming = 0;        ///< from switching on, time constant 300 s [K]; the biases drift with it
   double vibration = 0;      ///< amplitude on each axis of the accelerometer, of the LiDAR's motor [m/s^2]
+  double motor = 0;          ///< frequency of that motor [Hz]
 };
 
-/// The model with what realism adds.
-ImuModel with_realism(ImuModel model, const ImuRealism& realism);
+/// The model with what realism adds. A filter shows nothing of the future: `delay` becomes half of it at least. `motor`
+/// is the frequency of the LiDAR's motor [Hz], 0 where it is not known: then nothing vibrates.
+ImuModel with_realism(ImuModel model, const ImuRealism& realism, double motor);
 
 /// What is constant for one sensor: it measures gyro_sensitivity w + g_sensitivity f and acc_sensitivity f of the
 /// angular rate w and the specific force f.

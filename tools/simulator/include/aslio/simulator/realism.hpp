@@ -57,7 +57,7 @@ struct GaitRealism {
 };
 
 struct ImuRealism {
-  double filter = 0;       ///< a sample is the mean over this time [s]
+  double filter = 0;       ///< a sample is the mean over so many sample times
   double temperature = 0;  ///< warming from switching on, time constant 300 s [K]
   double vibration = 0;    ///< of the LiDAR's motor, amplitude per axis [m/s^2]
 };

@@ -70,10 +70,14 @@ class ReturnModel {
   double max_range() const { return max_range_; }
 
  private:
+  /// The echo of a surface, if it is strong enough.
+  std::optional<Return> reported(const Pulse& pulse, const SurfaceHit& hit, double range) const;
+
   LidarParams params_;
   double range_noise_, angle_noise_, min_range_, max_range_, cos_grazing_begin_, cos_grazing_end_;
   double spread_azimuth_, spread_elevation_;  ///< of the footprint [rad]
   RandomStream range_, angle_, loss_, outlier_, mixed_, glass_;
+  bool footprint_;                       ///< of every pulse: realism
   std::unique_ptr<RangeErrors> errors_;  ///< none without realism
 };
 

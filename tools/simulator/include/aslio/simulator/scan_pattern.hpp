@@ -51,6 +51,7 @@ struct SensorFacts {
   double angle_noise = 4.363e-4;                                ///< standard deviation per axis [rad]
   double beam_divergence = 1e-3;                                ///< full angle, taken as round [rad]: mixed pixels
   double footprint_azimuth = 1e-3, footprint_elevation = 1e-3;  ///< full angles [rad]: with realism
+  double motor = 0;  ///< turns per second of what rotates fastest [Hz]; 0: not published
   std::string_view lidar_topic, imu_topic, frame_id;
 };
 const SensorFacts& facts(SensorKind kind);

@@ -43,6 +43,9 @@ struct WorldParams {
   static void describe(config::Binder& b, WorldParams& params);
 };
 
+/// Seed of the layout; 1 for a mesh.
+std::uint64_t world_seed(const WorldParams& params);
+
 /// One corner of the route; a list of [x, y] would lose its units.
 struct RoutePoint {
   double x = 0, y = 0;  ///< [m]

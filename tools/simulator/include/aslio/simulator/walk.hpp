@@ -15,6 +15,7 @@ struct Waypoint {
 struct Turn {
   double begin = 0, duration = 1, angle = 0;  ///< [s], [s], [rad]
   double roll = 0, pitch = 0;                 ///< lean in its middle [rad]
+  bool glance = false;                        ///< of the head alone: the way goes on
 };
 /// One oscillation of all three angles.
 struct Tremor {
@@ -66,6 +67,7 @@ class Walk final : public Motion {
 
   std::vector<Waypoint> waypoints_;
   std::vector<Turn> turns_;           ///< by their begin
+  std::vector<Turn> glances_;         ///< those of the head alone
   std::vector<double> all_over_;      ///< [k]: turns 0..k are over from this time on
   std::vector<double> angle_before_;  ///< [k]: sum of the angles of the turns before k
   Gait gait_;
