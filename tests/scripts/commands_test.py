@@ -1,6 +1,7 @@
 """The commands a newcomer types refuse wrong arguments before they install or build anything."""
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -35,6 +36,16 @@ class Commands(unittest.TestCase):
         self.assert_refused("go with --input", "tools/quickstart", "--reference", "README.md")
         self.assert_refused("--input: no such file", "tools/quickstart", "--input", "gone.bag", "--sensor", "README.md")
         self.assert_refused("--sensor: no such file", "tools/quickstart", "--input", "README.md", "--sensor", "gone.yaml")
+
+    def test_quickstart_names_every_kind_of_input_that_the_formats_name(self):
+        usage = run("tools/quickstart", "--help").stdout
+        containers = (ROOT / "docs/formats.md").read_text(encoding="utf-8").split("## Containers")[1].split("## ")[0]
+        endings = set(re.findall(r"\.(?:bag|mcap|db3|pcap|pcapng)\b", containers))
+        self.assertEqual(len(endings), 5)
+        for ending in endings:
+            self.assertRegex(usage, re.escape(ending) + r"\b")
+        for kind in ("rosbag2 folder", "folder of bags", "folder of files", "network capture"):
+            self.assertIn(kind, usage)
 
     def test_quickstart_does_not_mix_a_recording_with_a_study(self):
         with tempfile.TemporaryDirectory() as folder:
