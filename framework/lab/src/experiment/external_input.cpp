@@ -8,7 +8,7 @@
 #include <optional>
 #include <variant>
 
-#include "aslio/config/load.hpp"
+#include "aslio/config/file_text.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/io/inspect.hpp"
 #include "aslio/io/layout_writer.hpp"
@@ -159,13 +159,7 @@ std::string sensor_of_copy(io::SensorConfig sensor, const io::Layout& layout, bo
   sensor.lidar_id = -1;
   sensor.scan_columns = sensor.imu_columns = sensor.lidar_frame = "";
   sensor.lidar_metadata = sensor.lidar_calibration = sensor.lidar_address = "";
-  const auto describe = [&](config::Binder& b) {
-    io::SensorConfig defaults = sensor;
-    io::SensorConfig::describe(b, defaults);
-  };
-  return config::bind_text("schema: aslio/sensor/1\n", "sensor.yaml", config::FileKind::sensor, plugin::Catalog(), {},
-                           describe)
-      .resolved;
+  return config::file_text(sensor, config::FileKind::sensor, plugin::Catalog());
 }
 
 /// Measurements in the order in which they are read; a message counts as received when its last point was measured.

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "aslio/config/binder.hpp"
+#include "aslio/config/file_text.hpp"
 #include "aslio/config/load.hpp"
 #include "aslio/config/names.hpp"
 #include "aslio/core/errors.hpp"
@@ -27,7 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kBag = "{bag}";
 constexpr std::string_view kTimes = "times=";
-constexpr const char* kSchema = "schema: aslio/external/1\n";
 
 bool is_name(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(),
@@ -228,11 +228,7 @@ ExternalMethod placed_in(ExternalMethod method, const fs::path& folder) {
 }
 
 std::string resolved_text(const ExternalMethod& method) {
-  const auto describe = [&](config::Binder& b) {
-    ExternalMethod defaults = method;
-    ExternalMethod::describe(b, defaults);
-  };
-  return config::bind_text(kSchema, "external", config::FileKind::external, plugin::Catalog(), {}, describe).resolved;
+  return config::file_text(method, config::FileKind::external, plugin::Catalog());
 }
 
 ExternalMethod load_external_method(const fs::path& file) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "aslio/config/file_text.hpp"
 #include "aslio/config/load.hpp"
 #include "aslio/config/stage_lookup.hpp"
 #include "aslio/core/errors.hpp"
@@ -191,11 +192,7 @@ ReferenceSpec in_place(ReferenceSpec spec, const Pose& T_imu_reference) {
 }
 
 std::string resolved_text(const ReferenceSpec& spec) {
-  const auto describe = [&](config::Binder& b) {
-    ReferenceSpec defaults = spec;
-    ReferenceSpec::describe(b, defaults);
-  };
-  return config::bind_text(kSchema, spec.file, config::FileKind::reference, NoStages(), {}, describe).resolved;
+  return config::file_text(spec, config::FileKind::reference, NoStages());
 }
 
 ReferenceSpec with_protocol(ReferenceSpec spec) {
