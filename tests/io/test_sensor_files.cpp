@@ -1,7 +1,11 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <fstream>
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/io/inspect.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "io/bag_fixture.hpp"
 
 namespace aslio::io::test {
@@ -46,6 +50,53 @@ TEST_CASE("every shipped sensor file loads, and its dump reads back equal") {
     CHECK(again.resolved == loaded.resolved);
   }
   CHECK(files >= 6);
+}
+
+TEST_CASE("of the shipped sensor files, those of a LiDAR without an IMU alone have a placeholder") {
+  std::vector<std::string> marked;
+  for (const auto& entry : std::filesystem::directory_iterator(ASLIO_SOURCE_DIR "/configs/sensors")) {
+    const SensorConfig sensor = load_sensor(entry.path(), NoStages()).value;
+    INFO(entry.path());
+    CHECK(sensor.placeholder_warning.empty() != sensor.extrinsic_placeholder);
+    if (sensor.extrinsic_placeholder) marked.push_back(entry.path().stem().string());
+  }
+  std::sort(marked.begin(), marked.end());
+  CHECK(marked == std::vector<std::string>{"hesai_xt32", "velodyne_vlp16"});
+}
+
+TEST_CASE("a drafted extrinsic warns, with its line and the remedy, until the mark is deleted") {
+  TemporaryFolder folder;
+  Recording().write(folder / "a.bag");
+  std::string text = draft_sensor(inspect(folder / "a.bag"));
+  const std::filesystem::path file = folder / "sensor.yaml";
+  std::ofstream(file) << text;
+  const auto drafted = load_sensor(file, NoStages());
+  CHECK(drafted.value.model.T_imu_lidar.R == Mat3::Identity());
+  for (const char* part : {"sensor.yaml:11:16: T_imu_lidar is still a placeholder", "translation [0, 0, 0] m",
+                           "rotation [1, 0, 0, 0, 1, 0, 0, 0, 1]", "delete this line", "docs/howto_check_frames.md"}) {
+    INFO(drafted.value.placeholder_warning);
+    CHECK(contains(drafted.value.placeholder_warning, part));
+  }
+  // Once where it is read, and once in what is found of the recording.
+  const auto warnings = open_source(folder / "a.bag", drafted.value)->notes().warnings;
+  CHECK(std::count(warnings.begin(), warnings.end(), drafted.value.placeholder_warning) == 1);
+  const auto inspected = inspect(folder / "a.bag", drafted.value).warnings;
+  CHECK(std::count(inspected.begin(), inspected.end(), drafted.value.placeholder_warning) == 1);
+  // What states every value keeps the mark.
+  CHECK(config::parse<SensorConfig>(drafted.resolved, "dump", config::FileKind::sensor, NoStages())
+            .value.extrinsic_placeholder);
+
+  const std::string mark = "  placeholder: true";
+  const std::size_t begin = text.find(mark);
+  REQUIRE(begin != std::string::npos);
+  text.erase(begin, text.find('\n', begin) + 1 - begin);
+  std::ofstream(file) << text;  // the identity is meant
+  const SensorConfig meant = load_sensor(file, NoStages()).value;
+  CHECK(meant.placeholder_warning.empty());
+  CHECK(meant.model.T_imu_lidar.R == Mat3::Identity());
+  for (const std::string& warning : open_source(folder / "a.bag", meant)->notes().warnings) {
+    CHECK_FALSE(contains(warning, "placeholder"));
+  }
 }
 
 TEST_CASE("values of a sensor file") {

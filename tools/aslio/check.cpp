@@ -28,6 +28,7 @@ int check(const CheckArguments& a) {
         pipeline::check_stages(
             config::load<pipeline::PipelineConfig>(file, config::FileKind::pipeline, stages.catalog));
       }
+      for (const std::string& warning : read.warnings) tell("warning: " + warning);
       print(fmt::format("{}: ok ({})\n", file, config::name(read.kind)));
     } catch (const std::runtime_error& error) {  // of the file, or of what it names
       complain(error.what());

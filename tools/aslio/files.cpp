@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "aslio/config/load.hpp"
@@ -14,7 +16,7 @@
 #include "aslio/experiment/family.hpp"
 #include "aslio/experiment/study.hpp"
 #include "aslio/io/reference.hpp"
-#include "aslio/io/source.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "aslio/plugin/registry.hpp"
 #include "aslio/simulator/scene.hpp"
@@ -41,13 +43,25 @@ void require_scene_files(const std::filesystem::path& path, const std::vector<st
                     });
 }
 
+CheckedFile checked_sensor(const std::filesystem::path& file, const config::StageLookup& stages) {
+  CheckedFile checked{config::FileKind::sensor, {}};
+  auto loaded = io::load_sensor(file, stages);
+  checked.resolved = std::move(loaded.resolved);
+  if (!loaded.value.placeholder_warning.empty()) checked.warnings.push_back(loaded.value.placeholder_warning);
+  return checked;
+}
+
 /// A family with the sensor files that it names.
-std::string checked_family(const std::filesystem::path& file, const config::StageLookup& stages) {
+CheckedFile checked_family(const std::filesystem::path& file, const config::StageLookup& stages) {
   const experiment::Family family = experiment::load_family(file);
+  CheckedFile checked{config::FileKind::family, family.resolved};
   for (const experiment::FamilySequence& sequence : family.sequences) {
-    config::load<io::SensorConfig>(sequence.sensor, config::FileKind::sensor, stages);
+    for (std::string& warning : checked_sensor(sequence.sensor, stages).warnings) {
+      const bool known = std::find(checked.warnings.begin(), checked.warnings.end(), warning) != checked.warnings.end();
+      if (!known) checked.warnings.push_back(std::move(warning));
+    }
   }
-  return family.resolved;
+  return checked;
 }
 
 }  // namespace
@@ -58,11 +72,11 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
     case config::FileKind::pipeline:
       return {kind, config::load<pipeline::PipelineConfig>(file, kind, stages).resolved};
     case config::FileKind::sensor:
-      return {kind, config::load<io::SensorConfig>(file, kind, stages).resolved};
+      return checked_sensor(file, stages);
     case config::FileKind::dataset:
       return {kind, experiment::load_dataset(file).resolved};
     case config::FileKind::family:
-      return {kind, checked_family(file, stages)};
+      return checked_family(file, stages);
     case config::FileKind::reference:
       return {kind, io::resolved_text(io::load_reference_spec(file))};
     case config::FileKind::external:

@@ -12,7 +12,8 @@ namespace aslio::cli {
 
 struct CheckedFile {
   config::FileKind kind;
-  std::string resolved;  ///< every key at its effective value
+  std::string resolved;                 ///< every key at its effective value
+  std::vector<std::string> warnings{};  ///< what is allowed, and may be an oversight
 };
 
 /// Throws ConfigError with everything that is wrong with the file.

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "aslio/io/writers.hpp"
 #include "command.hpp"
 #include "console.hpp"
@@ -33,7 +33,7 @@ void write_draft(const InspectArguments& a, const io::InputReport& report) {
   io::AtomicFile file(a.draft);
   file.write(io::draft_sensor(report));
   file.close();
-  print(fmt::format("sensor file written: {}; fill in T_imu_lidar\n", a.draft));
+  print(fmt::format("sensor file written: {}; replace T_imu_lidar, a placeholder\n", a.draft));
 }
 
 /// PATH is short for --input.
@@ -64,7 +64,7 @@ int inspect(const InspectArguments& a, const CLI::App& app) {
   }
   io::SensorConfig sensor;
   if (!sensor_file.empty()) {
-    sensor = config::load<io::SensorConfig>(sensor_file, config::FileKind::sensor, load_stages({}).catalog).value;
+    sensor = io::load_sensor(sensor_file, load_stages({}).catalog).value;
   }
   const io::InputReport report = io::inspect(inputs, sensor);
   print(io::render(report));

@@ -8,6 +8,7 @@
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/experiment/frame_check.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "aslio/io/writers.hpp"
 #include "command.hpp"
 #include "console.hpp"
@@ -35,8 +36,7 @@ std::vector<experiment::PublishedExtrinsic> published(const std::vector<std::str
 experiment::FrameCheckOptions options_of(const FrameCheckArguments& a, const Recording& recording,
                                          const Stages& stages) {
   experiment::FrameCheckOptions options;
-  options.motion.sensor =
-      config::load<io::SensorConfig>(recording.sensor, config::FileKind::sensor, stages.catalog).value;
+  options.motion.sensor = io::load_sensor(recording.sensor, stages.catalog).value;
   options.motion.pipeline = a.pipeline;
   if (a.pipeline.empty()) {
     options.motion.pipeline = data_path("configs/pipelines/ct_icp.yaml");

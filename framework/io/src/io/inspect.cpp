@@ -214,6 +214,7 @@ InputReport inspect(const std::vector<std::filesystem::path>& inputs, const Sens
   const auto reader = folder ? open_folder(inputs.front(), sensor) : packets::open_with_packets(inputs, sensor);
   for (const auto& input : inputs) report.bytes += folder ? 0 : bytes_of(input);
   inspect_messages(*reader, sensor, report);
+  if (!sensor.placeholder_warning.empty()) report.warnings.push_back(sensor.placeholder_warning);
   try {
     open_source(inputs, sensor);
     report.usable = true;

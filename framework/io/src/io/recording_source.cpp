@@ -46,6 +46,7 @@ class RecordingSource final : public MeasurementSource {
     for (const Connection& c : lidar) lidar_ids_.push_back(c.id);
     for (const Connection& c : imu) imu_ids_.push_back(c.id);
     judge_imu(sensor, fmt::format("{}: {}", name_, imu.front().topic));
+    if (!sensor.placeholder_warning.empty()) notes_.warnings.push_back(sensor.placeholder_warning);
     decoder_ = make_lidar_decoder(lidar.front(), sensor, fmt::format("{}: {}", name_, lidar.front().topic), begin_);
     judge_lidar(lidar.front().topic);
     compare_clocks(imu.front().topic, lidar.front().topic, sensor.model.sweep_period);

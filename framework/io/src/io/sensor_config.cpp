@@ -34,14 +34,18 @@ std::vector<double> rows_of(const Mat3& M) {
 
 struct PoseBlock {
   std::vector<double> translation, rotation;
+  bool placeholder;
 
-  explicit PoseBlock(const Pose& T) : translation{T.p.x(), T.p.y(), T.p.z()}, rotation(rows_of(T.R)) {}
+  PoseBlock(const Pose& T, bool not_measured)
+      : translation{T.p.x(), T.p.y(), T.p.z()}, rotation(rows_of(T.R)), placeholder(not_measured) {}
 
   static void describe(config::Binder& b, PoseBlock& block) {
     b.reals("translation", block.translation, 3, "m", {.min = -100.0, .max = 100.0},
             "origin of the LiDAR in the IMU frame");
     b.reals("rotation", block.rotation, 9, "1", {.min = -1.001, .max = 1.001},
             "rotation from the LiDAR to the IMU frame, row by row");
+    b.flag("placeholder", block.placeholder,
+           "nobody has measured this pose yet: whatever uses it warns; delete the line once the pose is right");
     const Mat3 R = matrix_of(block.rotation);
     const double deviation = (R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff();
     b.require(deviation < kOrthonormalTolerance, "rotation",
@@ -152,9 +156,11 @@ void describe_recording(config::Binder& b, SensorConfig& sensor) {
       "sign of each accelerometer axis; all -1 for a driver that reports gravity in place of specific force");
 }
 
-void describe_extrinsic(config::Binder& b, SensorModel& model) {
-  PoseBlock extrinsic(model.T_imu_lidar);
+void describe_extrinsic(config::Binder& b, SensorConfig& sensor) {
+  SensorModel& model = sensor.model;
+  PoseBlock extrinsic(model.T_imu_lidar, sensor.extrinsic_placeholder);
   b.group("T_imu_lidar", extrinsic, "pose of the LiDAR in the IMU frame: p_I = T_imu_lidar p_L");
+  sensor.extrinsic_placeholder = extrinsic.placeholder;
   if (extrinsic.translation.size() == 3 && extrinsic.rotation.size() == 9) {
     // Digits cut by hand are made a rotation again; full precision is kept bit for bit, so that a dump reads back
     // equal.
@@ -194,7 +200,7 @@ void describe_model(config::Binder& b, SensorModel& model) {
 void SensorConfig::describe(config::Binder& b, SensorConfig& sensor) {
   sensor.from_file = true;
   describe_recording(b, sensor);
-  describe_extrinsic(b, sensor.model);
+  describe_extrinsic(b, sensor);
   b.groups("transforms", sensor.transforms,
            "transforms between further frames, for a reference in one of them; `imu` and `lidar` are those of "
            "T_imu_lidar, `reference` is the frame of a reference that names none");

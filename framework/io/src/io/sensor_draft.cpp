@@ -48,6 +48,7 @@ std::string draft_sensor(const InputReport& report) {
       "scan_lines: {}\n"
       "# To be filled in: the data do not tell them. p_imu = rotation * p_lidar + translation.\n"
       "T_imu_lidar:\n"
+      "  placeholder: true  # delete this line once the pose is right\n"
       "  translation: [0, 0, 0]  # m, origin of the LiDAR in the IMU frame\n"
       "  rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1]  # row by row\n",
       std::filesystem::path(report.name).filename().string(), quoted(lidar.topic), quoted(imu.topic), imu.acc_unit,

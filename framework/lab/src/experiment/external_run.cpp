@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/evaluation/report.hpp"
 #include "aslio/experiment/family.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/experiment/summary.hpp"
 #include "aslio/experiment/truth.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/plugin/registry.hpp"
 #include "external_input.hpp"
@@ -113,7 +113,7 @@ class ExternalRun {
   ExternalRun(const ExternalOptions& options, const std::function<bool()>& stop)
       : options_(options), stop_(stop), input_(options.output / kInputFolder) {
     const plugin::Catalog no_stages;
-    sensor_ = config::load<io::SensorConfig>(options.dataset.sensor, config::FileKind::sensor, no_stages);
+    sensor_ = io::load_sensor(options.dataset.sensor, no_stages);
     if (options.dataset.reference) truth_.emplace(load_truth(*options.dataset.reference, &sensor_.value));
   }
 

@@ -13,6 +13,7 @@
 #include "aslio/core/thrown.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/experiment/truth.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/odometry.hpp"
 #include "monitoring.hpp"
@@ -143,7 +144,7 @@ OverlapSeriesEnd score_overlap(const OverlapSeriesOptions& options, const plugin
   for (const std::string& assignment : options.overrides) overrides.push_back({assignment});
   const auto pipeline =
       config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog, overrides);
-  const auto sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
+  const auto sensor = io::load_sensor(options.sensor, catalog);
   exec::Executor executor(1);
   const auto metric = pipeline.value.overlap.make({executor, sensor.value.model, nullptr});
   Truth truth = load_truth(options.trajectory, &sensor.value);

@@ -19,6 +19,7 @@
 #include "aslio/experiment/family.hpp"
 #include "aslio/experiment/measure.hpp"
 #include "aslio/experiment/truth.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "aslio/io/writers.hpp"
 #include "aslio/pipeline/stage_set.hpp"
 #include "manifest.hpp"
@@ -68,7 +69,7 @@ Prepared prepare(const RunOptions& options, const plugin::Catalog& catalog) {
   Prepared prepared;
   prepared.pipeline =
       config::load<pipeline::PipelineConfig>(options.pipeline, config::FileKind::pipeline, catalog, overrides);
-  prepared.sensor = config::load<io::SensorConfig>(options.sensor, config::FileKind::sensor, catalog);
+  prepared.sensor = io::load_sensor(options.sensor, catalog);
   if (options.reference) prepared.reference.emplace(load_truth(*options.reference, &prepared.sensor.value));
   return prepared;
 }

@@ -68,6 +68,8 @@ struct SensorConfig {
   double imu_delay = 0;                    ///< a sample tells of the motion this long before its stamp [s]
   std::vector<NamedTransform> transforms;  ///< between further frames, for a reference in one of them
   bool from_file = false;  ///< a sensor file was read: its extrinsic is meant, also where it is the identity
+  bool extrinsic_placeholder = false;  ///< T_imu_lidar stands for a value that nobody has measured yet
+  std::string placeholder_warning;     ///< says so, with file and line; load_sensor() fills it; empty: none
 
   /// `transforms`, and T_imu_lidar between the frames `imu` and `lidar`.
   std::vector<NamedTransform> all_transforms() const;
