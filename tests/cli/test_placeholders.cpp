@@ -49,3 +49,36 @@ TEST_CASE("check, inspect --check and run warn once of an extrinsic that nobody 
     CHECK(ended.err.find("placeholder") == std::string::npos);
   }
 }
+
+TEST_CASE("check and experiment warn of the text of a template that a study still holds, for every template") {
+  const TemporaryFolder folder;
+  const fs::path source(ASLIO_SOURCE_DIR);
+  fs::copy_file(source / "tools/templates/plugin/common/study/scene.yaml", folder / "scene.yaml");
+  fs::copy_file(source / "configs/pipelines/as_lio_plus.yaml", folder / "as_lio_plus.yaml");
+  const std::string request = "prediction: Write here", study = folder / "study.yaml";
+  const std::vector<std::string> check = {"check", study},
+                                 plan = {"experiment", study, "--output", folder / "out", "--dry-run", "--quiet"};
+  std::size_t templates = 0;
+  for (const auto& family : fs::directory_iterator(source / "tools/templates/plugin")) {
+    const fs::path file = family.path() / "study/study.yaml";
+    if (!fs::exists(file)) continue;
+    ++templates;
+    // The stage itself is not there: of the template, the texts alone count here.
+    std::string text = content(file);
+    text = text.substr(0, text.find("datasets:")) +
+           "datasets: [{scene: scene.yaml}]\nmethods: [{name: m, pipeline: as_lio_plus.yaml}]\n";
+    write_text(study, text);
+    for (const auto& command : {check, plan}) {
+      const Ended ended = run_aslio(command);
+      INFO(family.path() << ": " << command.front() << ": " << ended.err);
+      CHECK(ended.code == 0);
+      CHECK_THAT(ended.err, Contains("study.yaml:3:13: 'prediction' still holds the text of the template"));
+      CHECK(ended.err.find("'question' still") == std::string::npos);
+    }
+    REQUIRE(text.find(request) != std::string::npos);
+    write_text(study, text.replace(text.find(request), request.size(), "prediction: I expect"));
+    CHECK(run_aslio(check).err.empty());
+    CHECK(run_aslio(plan).err.empty());
+  }
+  CHECK(templates >= 10);
+}

@@ -6,6 +6,7 @@
 #include "aslio/core/errors.hpp"
 #include "aslio/core/sha256.hpp"
 #include "aslio/experiment/study_expectation.hpp"
+#include "aslio/experiment/study_placeholders.hpp"
 #include "aslio/experiment/study_run.hpp"
 #include "aslio/experiment/study_slurm.hpp"
 #include "aslio/experiment/study_statistics.hpp"
@@ -185,6 +186,9 @@ int run_experiment(const ExperimentArguments& a) {
     options.run_options.insert(options.run_options.end(), {"--plugin", plugin});
   }
   experiment::require_selection(study, options.only);
+  if (a.recording.empty()) {  // else the call that this one is a part of has said so
+    for (const std::string& warning : experiment::placeholder_warnings(study)) tell("warning: " + warning);
+  }
   if (a.dry_run) {
     print_plan(study, options);
     return kSuccess;

@@ -15,6 +15,7 @@
 #include "aslio/experiment/external_method.hpp"
 #include "aslio/experiment/family.hpp"
 #include "aslio/experiment/study.hpp"
+#include "aslio/experiment/study_placeholders.hpp"
 #include "aslio/io/reference.hpp"
 #include "aslio/io/sensor_file.hpp"
 #include "aslio/pipeline/odometry.hpp"
@@ -64,6 +65,12 @@ CheckedFile checked_family(const std::filesystem::path& file, const config::Stag
   return checked;
 }
 
+CheckedFile checked_study(const std::filesystem::path& file, const config::StageLookup& stages) {
+  experiment::Study study = experiment::load_study(
+      file, stages, {.resolve_scene = resolve_scene, .seeds = {}, .scale = 1, .families = shipped_families()});
+  return {config::FileKind::study, std::move(study.resolved), experiment::placeholder_warnings(study)};
+}
+
 }  // namespace
 
 CheckedFile read_checked(const std::filesystem::path& file, const config::StageLookup& stages) {
@@ -85,10 +92,7 @@ CheckedFile read_checked(const std::filesystem::path& file, const config::StageL
       require_scene_files(file, {});
       return {kind, simulator::load_scene(file).resolved};
     case config::FileKind::study:
-      return {kind, experiment::load_study(
-                        file, stages,
-                        {.resolve_scene = resolve_scene, .seeds = {}, .scale = 1, .families = shipped_families()})
-                        .resolved};
+      return checked_study(file, stages);
   }
   throw ConfigError(fmt::format("{}: this version cannot read such a file", file.string()));
 }
