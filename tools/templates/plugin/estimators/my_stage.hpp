@@ -13,7 +13,7 @@ class MyStage final : public aslio::Registration {
  public:
   /// Defaults stand here and nowhere else.
   struct Params {
-    Rules rules{.max_iterations = 30, .converged = 1e-4, .min_matches = 50, .degenerate_sigma = 0.05};
+    Rules rules{.max_iterations = 10, .converged = 1e-3, .min_matches = 50, .degenerate_sigma = 0.05};
     double sigma = 0.1;
     double sigma_rotation = 0.005;
     double sigma_position = 0.02;
