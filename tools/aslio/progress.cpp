@@ -55,9 +55,13 @@ void ProgressDisplay::on_notice(const std::string& notice) {
 
 void ProgressDisplay::on_start(const io::SourceNotes& notes) {
   if (!quiet_) {
-    for (const std::string& verdict : notes.verdicts) tell(verdict);
+    for (const std::string& verdict : notes.verdicts) tell_once(verdict);
   }
-  for (const std::string& warning : notes.warnings) tell("warning: " + warning);
+  for (const std::string& warning : notes.warnings) tell_once("warning: " + warning);
+}
+
+void ProgressDisplay::tell_once(const std::string& line) {
+  if (told_.insert(line).second) tell(line);
 }
 
 void ProgressDisplay::on_progress(const experiment::Progress& p) {

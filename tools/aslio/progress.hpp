@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "aslio/experiment/run.hpp"
@@ -42,8 +43,12 @@ class ProgressDisplay final : public experiment::RunMonitor {
   void clear() const { bar_.clear(); }
 
  private:
+  /// What was said of a recording is not said again where a command reads it twice.
+  void tell_once(const std::string& line);
+
   bool quiet_;
   ProgressBar bar_;
+  std::set<std::string> told_;
 };
 
 }  // namespace aslio::cli
