@@ -74,6 +74,7 @@ TEST_CASE("a warming IMU drifts, and the true biases drift with it", "[realism]"
 TEST_CASE("the LiDAR's motor shakes the accelerometer alone", "[realism]") {
   ImuModel model = exact();
   model.vibration = 0.3;
+  model.motor = 121.6;
   const ImuRecord record = simulate_imu(standing(), 0, 20, model, 4);
   double squares = 0;
   for (const ImuSample& sample : record.samples) {
