@@ -27,13 +27,28 @@ void Ieskf::reset(const InitialState& initial) {
   initial_ = initial;
   velocity_.begin(initial);
   state_ = initial.state;
-  P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
+  P_ = start_covariance(initial.sigma_velocity);
   sensors_.reset(initial.mode == InitialMode::static_start);
   frame_.set_extrinsic(sensors_.T_imu_lidar());
   sensors_.start_map(state_, params_.estimated.gravity != Gravity::fixed, P_);
   dead_reckoning_.forget();
   unobservable_ = false;
   result_ = Update{};
+}
+
+/// eqs. INI-4, INI-8.
+StateMatrix Ieskf::start_covariance(double sigma_velocity) const {
+  StateMatrix P = initial_covariance(initial_, params_.estimated, sigma_velocity);
+  if (params_.start_covariance == StartCovariance::measured) return P;
+  constexpr double motion = 1.0, gyro_bias = 1e-4, acc_bias = 1e-3, gravity_direction = 1e-5;
+  for (const int at : {block::theta, block::p, block::v}) P.diagonal().segment<3>(at).setConstant(motion);
+  P.diagonal().segment<3>(block::b_w).setConstant(gyro_bias);
+  P.diagonal().segment<3>(block::b_a).setConstant(acc_bias);
+  if (params_.estimated.gravity != Gravity::fixed) {
+    const Vec3& g = initial_.state.g;
+    P.block<3, 3>(block::g, block::g) = gravity_direction * (g.squaredNorm() * Mat3::Identity() - g * g.transpose());
+  }
+  return P;
 }
 
 NavState Ieskf::predict(std::span<const ImuSample> imu) const {
@@ -90,6 +105,7 @@ void Ieskf::reserve(std::size_t fresh, std::size_t history) {
 void Ieskf::associate(WindowMatches& set, const NavState& at, const Map& map, std::uint32_t max_stamp) {
   const double windows = windows_per(params_.shared_time, plan_);
   set.associate(map, *residual_, frame_.viewpoint(at.pose()), max_stamp, feature_class::none, windows);
+  if (!params_.gate_again) set.left_out.assign(set.body.size(), 0);
 }
 
 /// The normal equations of what the points see (eq. DSK-3).
@@ -179,6 +195,33 @@ Ieskf::NormalEquations Ieskf::assemble(const Evaluation& sums, double history_we
   return normal;
 }
 
+/// eq. IESKF-11.
+bool Ieskf::has_converged(const StateVector& delta) const {
+  const double turn = params_.converged_deg * kRadPerDeg, shift = params_.converged_m;
+  if (params_.converged == Converged::pose) {
+    return delta.segment<3>(block::theta).norm() / kRadPerDeg < params_.converged_deg &&
+           delta.segment<3>(block::p).norm() < shift;
+  }
+  const auto largest = [&](int at) { return delta.segment<3>(at).cwiseAbs().maxCoeff(); };
+  const Vec3& g = state_.g;
+  const Vec3 tilt = g.cross(delta.segment<3>(block::g)) / g.squaredNorm();
+  return largest(block::theta) < turn && tilt.norm() < turn && largest(block::p) < shift && largest(block::v) < shift &&
+         largest(block::b_w) < shift && largest(block::b_a) < shift;
+}
+
+/// Whether neighbours are searched again after iteration `iteration` (0: the first). eq. IESKF-11.
+bool Ieskf::searches_next(int iteration, bool converged, int converged_steps) const {
+  switch (params_.association) {
+    case Association::every_iteration:
+      return true;
+    case Association::once:
+      return false;
+    case Association::on_convergence:
+      return converged || (params_.search_last && converged_steps == 0 && iteration + 2 == params_.max_iterations);
+  }
+  return false;
+}
+
 void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   const NavState prior = state_;
   NavState x = prior;
@@ -209,7 +252,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     redeskew(x);
     const double turn = delta.segment<3>(block::theta).norm() / kRadPerDeg;
     const double shift = delta.segment<3>(block::p).norm();
-    const bool converged = turn < params_.converged_deg && shift < params_.converged_m;
+    const bool converged = has_converged(delta);
     converged_steps += converged ? 1 : 0;
     // FAST-LIO2's rule searches again once the step has converged, and needs a second converged step to end.
     const int enough = params_.association == Association::on_convergence ? 2 : 1;
@@ -217,8 +260,7 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
       result_.status = status_of_last_step(settled(turn, params_.converged_deg) && settled(shift, params_.converged_m));
       return accept(x, P, sums, normal, past);
     }
-    search = params_.association == Association::every_iteration ||
-             (params_.association == Association::on_convergence && converged);
+    search = searches_next(j, converged, converged_steps);
   }
 }
 
@@ -243,7 +285,7 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
 /// acceleration.
 void Ieskf::find_velocity_alone() {
   velocity_.step(plan_, state_);
-  P_ = initial_covariance(initial_, params_.estimated, velocity_.sigma_velocity());
+  P_ = start_covariance(velocity_.sigma_velocity());
   result_.restart_map = true;
 }
 

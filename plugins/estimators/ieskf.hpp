@@ -27,6 +27,11 @@ class Ieskf final : public Estimator {
   using Noise = ImuNoisePreset::Kind;
   enum class Association : std::uint8_t { every_iteration, on_convergence, once };
 
+  /// Which components of a step must be small for it to have converged.
+  enum class Converged : std::uint8_t { pose, state };
+  /// Which variances the filter starts with.
+  enum class StartCovariance : std::uint8_t { measured, fastlio };
+
   /// How a window's correction reaches the points inside it.
   enum class DeskewCorrection : std::uint8_t {
     rigid,       ///< they move with the end of the window
@@ -37,14 +42,18 @@ class Ieskf final : public Estimator {
 
   struct Params {
     EstimatedStates estimated;
+    StartCovariance start_covariance = StartCovariance::measured;
     SensorStates::Params sensors;
     DeskewCorrection deskew_correction = DeskewCorrection::rigid;
     ImuNoisePreset noise;
     Association association = Association::every_iteration;
+    bool search_last = false;
+    bool gate_again = true;
     std::int64_t max_iterations = 4;
     double sigma = 0.03;
     double converged_m = 1e-3;
     double converged_deg = 0.0573;
+    Converged converged = Converged::pose;
     std::int64_t min_matches = 20;
     double shared_time = 0.05;
     double degenerate_sigma = 0.05;
@@ -81,6 +90,7 @@ class Ieskf final : public Estimator {
     SeenVector b_all;
   };
 
+  StateMatrix start_covariance(double sigma_velocity) const;
   void find_velocity_alone();
   void propagate(const Window& window);
   void reserve(std::size_t fresh, std::size_t history);
@@ -91,6 +101,8 @@ class Ieskf final : public Estimator {
   void load_fresh();
   void redeskew(const NavState& at);
   std::int64_t matches(const WindowInformation& sum) const;
+  bool has_converged(const StateVector& delta) const;
+  bool searches_next(int iteration, bool converged, int converged_steps) const;
   Evaluation linearize(const NavState& at, const StepContext& context);
   double innovation_per_row(const WindowInformation& fresh) const;
   StateVector step(const NavState& at, const StateVector& d, const StateMatrix& P, const NormalEquations& normal);

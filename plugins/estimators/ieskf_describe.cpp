@@ -5,6 +5,10 @@ namespace aslio::plugins {
 void Ieskf::describe(config::Binder& b, Params& p) {
   describe_estimated(b, p.estimated);
   SensorStates::describe(b, p.sensors);
+  b.choice("start_covariance", p.start_covariance,
+           {{"measured", StartCovariance::measured}, {"fastlio", StartCovariance::fastlio}},
+           "variances at the start: by what the initialisation measured, or FAST-LIO2's constants: 1 of pose and "
+           "velocity, 1e-4, 1e-3 and 1e-5 of gyro bias, accelerometer bias and direction of gravity");
   b.choice("deskew_correction", p.deskew_correction,
            {{"rigid", DeskewCorrection::rigid},
             {"linear", DeskewCorrection::linear},
@@ -29,12 +33,21 @@ void Ieskf::describe(config::Binder& b, Params& p) {
        {"once", Association::once}},
       "when neighbours are searched: at every iteration; again when a step has converged, until two have (FAST-LIO2); "
       "or only at the predicted pose");
+  b.flag("search_last", p.search_last,
+         "association: on_convergence: where no step has converged before the last iteration, neighbours are searched "
+         "again for it (FAST-LIO2)");
+  b.flag("gate_again", p.gate_again,
+         "a match that a gate has left out may take part again at the next iteration; false: not before neighbours are "
+         "searched again (FAST-LIO2)");
   b.integer("max_iterations", p.max_iterations, "", {.min = 1, .max = 50}, "iterations at most");
   b.real("sigma", p.sigma, "m", {.above = 0, .max = 1}, "standard deviation of one point-to-surface residual");
   b.real("converged_m", p.converged_m, "m", {.above = 0, .max = 1},
          "position step below which an iteration has converged");
   b.real("converged_deg", p.converged_deg, "deg", {.above = 0, .max = 10},
          "attitude step below which an iteration has converged");
+  b.choice("converged", p.converged, {{"pose", Converged::pose}, {"state", Converged::state}},
+           "steps that must be that short: of the pose, or every component of the state (FAST-LIO2). Then velocity and "
+           "biases count by the number of converged_m in their own units, the direction of gravity by converged_deg");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6}, "fewer fresh matches: the step is refused");
   b.real("shared_time", p.shared_time, "s", {.min = 0.0, .max = 10.0},
          "with an error that matches of a plane share (plane_sigma of the residual): time over which it stays the "

@@ -41,7 +41,10 @@ StateMatrix to_navigation(const pw::Matrix& P) {
 }  // namespace
 
 PointwiseEskf::PointwiseEskf(const Params& params, const BuildContext& context)
-    : params_(params), residual_(params.residual.make(context)), frame_(context.sensor) {}
+    : params_(params),
+      residual_(params.residual.make(context)),
+      frame_(context.sensor),
+      means_(params.mean_leaf > 0 ? params.mean_leaf : 1) {}
 
 void PointwiseEskf::reset(const InitialState& initial) {
   state_ = initial.state;
@@ -276,12 +279,26 @@ void PointwiseEskf::follow(const Window& window, const Map* map) {
   mark();
 }
 
+/// eq. PTW-7.
+void PointwiseEskf::sample_means(std::span<const TimedPoint> fresh, SamplerChain& samplers) {
+  if (uses_.capacity() < fresh.size()) uses_.reserve(2 * fresh.size());
+  uses_.assign(fresh.size(), kAllUses);
+  SampleBatch batch{fresh, {}, uses_};
+  samplers.sample(Sampler::ActsOn::raw, batch);
+  frame_.sample_raw(means_.of(fresh, uses_), no_samplers_);
+}
+
 void PointwiseEskf::sample(const Window& window, const StepContext& context) {
   const CpuTimer timer(result_.times.sample);
-  frame_.sample_raw(window.fresh, context.samplers);
+  const bool all = params_.first_map == FirstMap::all && context.map.size() == 0;
+  if (params_.mean_leaf > 0 && !all) {
+    sample_means(window.fresh, context.samplers);
+  } else {
+    frame_.sample_raw(window.fresh, context.samplers);
+  }
   frame_.bring_to_imu();
-  frame_.sample_body(context.samplers);
-  if (context.samplers.moves_points())
+  frame_.sample_body(all ? no_samplers_ : context.samplers);
+  if (context.samplers.moves_points() && !all)
     frame_.take_as_measured();  // a mean of points that are not de-skewed is no point
   const std::size_t n = frame_.match_body().size();
   if (records_.capacity() < n) {

@@ -7,6 +7,7 @@
 #include "aslio/toolkit/initial_covariance.hpp"
 #include "aslio/toolkit/registration.hpp"
 #include "aslio/toolkit/velocity_search.hpp"
+#include "estimators/cube_means.hpp"
 #include "estimators/knot_trajectory.hpp"
 #include "estimators/pointwise_state.hpp"
 
@@ -20,6 +21,8 @@ namespace aslio::plugins {
 class PointwiseEskf final : public Estimator {
  public:
   using Gravity = EstimatedStates::Gravity;
+  /// Which points the first map is made of.
+  enum class FirstMap : std::uint8_t { sampled, all };
 
   struct Params {
     Gravity gravity = Gravity::s2;
@@ -31,6 +34,8 @@ class PointwiseEskf final : public Estimator {
     double acc_saturation = 3 * kStandardGravity;
     double imu_step = 0.01;
     double covariance_step = 0.01;
+    double mean_leaf = 0;
+    FirstMap first_map = FirstMap::sampled;
     std::int64_t min_matches = 20;
     double degenerate_sigma = 0.05;
     config::Nested<Residual> residual{"point_to_plane"};
@@ -57,6 +62,7 @@ class PointwiseEskf final : public Estimator {
   };
 
   void sample(const Window& window, const StepContext& context);
+  void sample_means(std::span<const TimedPoint> fresh, SamplerChain& samplers);
   void reset_covariance(double sigma_velocity);
   void find_velocity_alone(const PointwiseState& begin);
   ImuSample between(const ImuSample& from, const ImuSample& to, double share) const;
@@ -82,6 +88,9 @@ class PointwiseEskf final : public Estimator {
   DeadReckoning dead_reckoning_;
 
   DeskewedScan frame_;
+  CubeMeans means_;
+  SamplerChain no_samplers_;
+  std::vector<PointUses> uses_;
   KnotTrajectory trajectory_;
   // Of one firing.
   std::vector<Vec3> world_;

@@ -23,6 +23,12 @@ void PointwiseEskf::describe(config::Binder& b, Params& p) {
   b.real("covariance_step", p.covariance_step, "s", {.min = 0, .max = 1},
          "the covariance is carried on with each IMU sample, and with a point once it is older than this (0: every "
          "point)");
+  b.real("mean_leaf", p.mean_leaf, "m", {.min = 0, .max = 100},
+         "points are the means of all that a cube of this edge holds, as measured, at their mean time (Point-LIO; 0: "
+         "points as they are)");
+  b.choice("first_map", p.first_map, {{"sampled", FirstMap::sampled}, {"all", FirstMap::all}},
+           "points of the first window, over an empty map: as of any other, or all that the raw samplers leave "
+           "(Point-LIO)");
   b.integer("min_matches", p.min_matches, "", {.min = 1, .max = 1e6},
             "fewer matches in a window: it is followed by the IMU alone");
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},

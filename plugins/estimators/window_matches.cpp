@@ -1,5 +1,7 @@
 #include "estimators/window_matches.hpp"
 
+#include <algorithm>
+
 #include "aslio/toolkit/information_lanes.hpp"
 
 namespace aslio::plugins {
@@ -8,6 +10,7 @@ void WindowMatches::reserve(std::size_t n, const Residual& residual) {
   PointMatches::reserve(n, residual);
   lag.reserve(body.capacity());
   share.reserve(body.capacity());
+  left_out.reserve(body.capacity());
   partials_.reserve(exec::Executor::chunk_count(body.capacity(), kGrain));
 }
 
@@ -16,6 +19,7 @@ void WindowMatches::load(const DeskewedScan& frame) {
   range.assign(frame.match_range().begin(), frame.match_range().end());
   lag.clear();
   share.clear();
+  left_out.clear();
 }
 
 WindowInformation WindowMatches::sum_up(Residual& residual, double sigma, const NavState& at, double gate,
@@ -30,6 +34,10 @@ WindowInformation WindowMatches::sum_up(Residual& residual, double sigma, const 
     InformationLanes lanes(Rt);
     for (std::size_t i = begin; i < end; ++i) {
       const auto match = std::span<const ResidualRow>(rows).subspan(i * rows_per_match, rows_per_match);
+      if (!left_out.empty()) {
+        if (std::none_of(match.begin(), match.end(), [](const auto& row) { return row.takes_part(); })) left_out[i] = 1;
+        if (left_out[i] != 0) continue;
+      }
       if (!within(match, squared)) continue;
       for (const ResidualRow& z : match) {
         if (!z.takes_part()) continue;

@@ -13,7 +13,10 @@ namespace aslio::plugins {
 /// Points of a window, fresh or of its history, over the iterations: what each sees of the error of the window's end,
 /// and the sums of their rows (docs/equations.md IESKF-1, DSK-3).
 struct WindowMatches : PointMatches {
-  std::vector<double> lag;    ///< time before the end of the window [s]; empty: rows do not depend on it
+  std::vector<double> lag;  ///< time before the end of the window [s]; empty: rows do not depend on it
+  /// Per match, 1: a gate has left it out since `left_out` was set to zeros, so that it takes no part; empty: the gates
+  /// decide at every evaluation.
+  std::vector<std::uint8_t> left_out;
   std::vector<double> share;  ///< of the pose error of the end that a point sees; empty: 1
 
   /// Room for `n` points and the sums of their chunks.

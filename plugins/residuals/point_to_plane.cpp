@@ -18,6 +18,9 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
            "where planes come from: fitted to the nearest points of the map, or kept by the map (then k, max_distance, "
            "plane_threshold and min_spread are ignored)");
   b.integer("k", p.k, "", {.min = 3, .max = Neighbours::kMax}, "neighbours of a plane, all of which must be found");
+  b.integer("k_min", p.k_min, "", {.min = 0, .max = Neighbours::kMax},
+            "with so many found, a plane is fitted to those (Faster-LIO: 3; 0: all k must be found)");
+  b.require(p.k_min == 0 || (p.k_min >= 3 && p.k_min <= p.k), "k_min", "must be 0, or from 3 to k");
   b.real("max_distance", p.max_distance, "m", {.above = 0.0, .max = 1e4},
          "neighbours farther than this are not looked at");
   b.real("plane_threshold", p.plane_threshold, "m", {.above = 0.0},
@@ -52,33 +55,46 @@ MapQuery PointToPlane::query() const {
 }
 
 void PointToPlane::fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) {
+  const auto k = static_cast<std::size_t>(params_.k);
+  const std::size_t fewest = params_.k_min == 0 ? k : static_cast<std::size_t>(params_.k_min);
   exec_.for_ranges(queries.size(), kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; i += PlaneBatch::kWidth) {
-      fit_batch(queries, neighbours, i, std::min(i + PlaneBatch::kWidth, end), out);
+      const std::size_t last = std::min(i + PlaneBatch::kWidth, end);
+      std::fill(out.begin() + static_cast<std::ptrdiff_t>(i), out.begin() + static_cast<std::ptrdiff_t>(last),
+                Surface{});
+      for (std::size_t count = fewest; count <= k; ++count) fit_batch(queries, neighbours, i, last, count, out);
     }
   });
 }
 
-void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& neighbours, std::size_t begin,
-                             std::size_t end, std::span<Surface> out) const {
+/// Whether the plane of a query is fitted to exactly `count` neighbours: as many as were found, at most k.
+bool PointToPlane::fits(const Neighbours& neighbours, std::size_t query, std::size_t count) const {
   const auto k = static_cast<std::size_t>(params_.k);
+  if (neighbours.k() < k) return false;
+  return std::min<std::size_t>(neighbours.count[query], k) == count;
+}
+
+void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& neighbours, std::size_t begin,
+                             std::size_t end, std::size_t count, std::span<Surface> out) const {
   PlaneBatch batch;
+  bool any = false;
   for (std::size_t lane = 0; lane < PlaneBatch::kWidth; ++lane) {
     const std::size_t i = begin + lane;
-    const bool complete = i < end && neighbours.k() >= k && neighbours.count[i] >= k;
-    for (std::size_t j = 0; j < k; ++j) {
+    const bool complete = i < end && fits(neighbours, i, count);
+    any = any || complete;
+    for (std::size_t j = 0; j < count; ++j) {
       const Eigen::Vector3f offset = complete ? neighbours.offset(i, j) : Eigen::Vector3f::Zero();
       batch.x[j][lane] = static_cast<double>(offset.x());
       batch.y[j][lane] = static_cast<double>(offset.y());
       batch.z[j][lane] = static_cast<double>(offset.z());
     }
   }
-  batch.fit(k);
+  if (!any) return;
+  batch.fit(count);
   for (std::size_t i = begin; i < end; ++i) {
     const std::size_t lane = i - begin;
+    if (!fits(neighbours, i, count)) continue;
     Surface& surface = out[i];
-    surface = {};
-    if (neighbours.k() < k || neighbours.count[i] < k) continue;
     const bool spread = batch.largest[lane] > kCoincident * kCoincident &&
                         batch.middle[lane] > params_.min_spread * params_.min_spread * batch.largest[lane];
     const Vec3 normal(batch.normal_x[lane], batch.normal_y[lane], batch.normal_z[lane]);
@@ -90,7 +106,7 @@ void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& ne
                    smallest = std::sqrt(std::max(0.0, batch.smallest[lane]));
       const double flat = (middle - smallest) / largest;
       const double nearest = std::sqrt(static_cast<double>(neighbours.squared[i * neighbours.k()]));
-      surface.quality = 0.9 * flat * flat + 0.1 * std::exp(-nearest / (0.3 * static_cast<double>(k)));
+      surface.quality = 0.9 * flat * flat + 0.1 * std::exp(-nearest / (0.3 * static_cast<double>(params_.k)));
     }
     surface.valid = true;
   }

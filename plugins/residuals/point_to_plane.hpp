@@ -9,10 +9,10 @@
 namespace aslio::plugins {
 
 /// Distance of a point to the plane through its k nearest neighbours, or to the plane the map keeps there, r = n . (p -
-/// centroid) (docs/equations.md RES-1; AS-LIO (11)). A plane needs all k neighbours, none farther than plane_threshold
-/// from it, and neighbours that spread in two directions. The gate is FAST-LIO2's: 1 - 0.9 |r| / sqrt(range) > 0.9,
-/// which is range > 81 r^2; `max_residual` is the plain limit of CT-ICP and SR-LIO. With `plane_sigma`, all matches of
-/// one plane of the map share its error (RES-5).
+/// centroid) (docs/equations.md RES-1; AS-LIO (11)). A plane needs all k neighbours, or k_min of them where that is
+/// set, none farther than plane_threshold from it, and neighbours that spread in two directions. The gate is
+/// FAST-LIO2's: 1 - 0.9 |r| / sqrt(range) > 0.9, which is range > 81 r^2; `max_residual` is the plain limit of CT-ICP
+/// and SR-LIO. With `plane_sigma`, all matches of one plane of the map share its error (RES-5).
 class PointToPlane final : public Residual {
  public:
   enum class Planes : std::uint8_t { neighbours, map };
@@ -21,6 +21,7 @@ class PointToPlane final : public Residual {
   struct Params {
     Planes planes = Planes::neighbours;
     std::int64_t k = 5;
+    std::int64_t k_min = 0;
     double max_distance = 1.0;
     double plane_threshold = 0.1;
     double min_spread = 0.1;
@@ -44,8 +45,9 @@ class PointToPlane final : public Residual {
                 double sigma, std::span<ResidualRow> rows) override;
 
  private:
+  bool fits(const Neighbours& neighbours, std::size_t query, std::size_t count) const;
   void fit_batch(std::span<const Vec3> queries, const Neighbours& neighbours, std::size_t begin, std::size_t end,
-                 std::span<Surface> out) const;
+                 std::size_t count, std::span<Surface> out) const;
   double weight(double r) const;
 
   Params params_;

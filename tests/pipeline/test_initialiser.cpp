@@ -6,9 +6,12 @@
 
 #include "aslio/core/errors.hpp"
 #include "aslio/pipeline/initialiser.hpp"
+#include "aslio/simulator/analytic_world.hpp"
+#include "pipeline/runs.hpp"
 
 using namespace aslio;
 using namespace aslio::pipeline;
+using namespace aslio::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -84,6 +87,30 @@ TEST_CASE("initialisation: at rest the mean rate is the gyro bias") {  // eq. IN
   CHECK(found->initial.state.v == Vec3::Zero());
   CHECK(found->initial.sigma_gyro_bias < 2e-3);
   CHECK_THAT(found->verdict, Contains("static start") && Contains("over 21 samples"));
+}
+
+TEST_CASE("initialisation: an accelerometer that reads too much is scaled to gravity where asked") {  // eq. INI-7
+  const auto found = Start().imu(0, 0.2, 0.005, 1.02 * kUp).run();
+  REQUIRE(found);
+  CHECK(found->mean_force == Approx(1.02 * kStandardGravity));
+  const simulator::AnalyticWorld world({.seed = 3});
+  const auto source = world.source();
+  const Recording recording = record(*source, world.begin_time() + 2 * kSecond);
+  Recording too_much = recording;
+  for (Measurement& m : too_much) {
+    if (auto* sample = std::get_if<ImuSample>(&m)) sample->acc *= 1.02;
+  }
+  const auto difference = [&](const std::string& scale) {
+    const auto config = shipped("fast_lio2", {"initialisation.scale_specific_force=" + scale});
+    Run right(config, world.sensor()), wrong(config, world.sensor());
+    right.play(recording);
+    wrong.play(too_much);
+    REQUIRE(right.updates.size() == wrong.updates.size());
+    REQUIRE(right.updates.size() > 10);
+    return (right.updates.back().state.b_a - wrong.updates.back().state.b_a).norm();
+  };
+  CHECK(difference("true") < 1e-6);
+  CHECK(difference("false") > 1e-3);
 }
 
 TEST_CASE("initialisation: auto decides by the variation of the force and by the mean rate") {

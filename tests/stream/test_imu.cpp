@@ -241,6 +241,21 @@ TEST_CASE("a window's IMU starts and ends at its ends, linear between samples") 
   CHECK(out[1].gyro.x() == Approx(4e-6));
 }
 
+TEST_CASE("the specific force of a window is scaled where asked, readings stay as read") {  // eq. INI-7
+  MeasurementStream stream;
+  for (const ImuSample& s : regular_imu(20)) stream.push(s);
+  std::vector<ImuSample> before, after;
+  stream.imu_covering(kEpoch + kPeriod / 2, kEpoch + 3 * kPeriod, before);
+  stream.scale_specific_force(0.5);
+  stream.imu_covering(kEpoch + kPeriod / 2, kEpoch + 3 * kPeriod, after);
+  REQUIRE(before.size() == after.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    CHECK(after[i].acc == 0.5 * before[i].acc);
+    CHECK(after[i].gyro == before[i].gyro);
+  }
+  CHECK(stream.imu(kEpoch, kEpoch + 2 * kPeriod).back().acc.y() == Approx(2.0));
+}
+
 TEST_CASE("an IMU that lags behind the points is waited for as long as was asked, and no longer") {
   MeasurementStream stream;
   const auto point_at = [&](TimeNs t) {

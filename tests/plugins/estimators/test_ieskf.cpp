@@ -67,6 +67,70 @@ TEST_CASE("association: at every iteration, again on convergence, or once") {
   }
 }
 
+TEST_CASE("association on convergence: neighbours are searched for the last iteration where asked") {  // eq. IESKF-11
+  const auto searches = [](const std::vector<std::string>& overrides) {
+    std::vector<std::string> all{"estimator.association=on_convergence", "estimator.max_iterations=4"};
+    all.insert(all.end(), overrides.begin(), overrides.end());
+    Filter filter(all, 3.0);
+    filter.build_map(1);
+    WatchedMap map(*filter.map);
+    const Pose truth{exp_so3(Vec3(0.02, -0.01, 0.03)), Vec3(0.15, -0.1, 0.1)};
+    const RoomWindow room(kRoomEpoch, kTenth, truth, 2);
+    REQUIRE(filter.estimator->update(room.window, {}, {filter.samplers, map, filter.history}).iterations == 4);
+    return map.searches;
+  };
+  // Steps that never count as converged.
+  const std::string strict = "estimator.converged_m=1e-12";
+  CHECK(searches({strict}) == 1);
+  CHECK(searches({strict, "estimator.search_last=true"}) == 2);
+}
+
+TEST_CASE("convergence of the state asks for short steps of the velocity, too") {  // eq. IESKF-11
+  const auto iterations = [](const std::string& rule) {
+    Filter filter({"estimator.association=every_iteration", "estimator.max_iterations=50",
+                   "estimator.converged=" + rule, "estimator.converged_m=0.002"},
+                  3.0);
+    filter.build_map(1);
+    const Pose truth{exp_so3(Vec3(0.02, -0.01, 0.03)), Vec3(0.15, -0.1, 0.1)};
+    const Update& update = filter.update(RoomWindow(kRoomEpoch, kTenth, truth, 2));
+    REQUIRE(update.accepted);
+    return update.iterations;
+  };
+  // The velocity moves ten times as far as the position: it is what 0.1 s of it have moved.
+  CHECK(iterations("state") > iterations("pose"));
+}
+
+TEST_CASE("what a gate has left out stays out until neighbours are searched again, where asked") {
+  const auto matches = [](const std::string& association, const std::string& gate_again) {
+    Filter filter({"estimator.association=" + association, "estimator.max_iterations=10",
+                   "estimator.gate_again=" + gate_again, "estimator.residual.max_residual=0.1"},
+                  3.0);
+    filter.build_map(1);
+    const Pose truth{exp_so3(Vec3(0.02, -0.01, 0.03)), Vec3(0.12, -0.08, 0.06)};
+    const Update& update = filter.update(RoomWindow(kRoomEpoch, kTenth, truth, 2));
+    REQUIRE(update.accepted);
+    return update.fresh_matches;
+  };
+  CHECK(matches("once", "false") < matches("once", "true") - 50);
+  CHECK(matches("every_iteration", "false") == matches("every_iteration", "true"));
+}
+
+TEST_CASE("the start has FAST-LIO2's variances where asked") {  // eq. INI-8
+  const auto start = [](const std::string& rule) {
+    Filter filter({"estimator.start_covariance=" + rule, "estimator.noise=physical", "estimator.gravity=s2"});
+    return StateMatrix(filter.update(RoomWindow(kRoomEpoch, kTenth, Pose{}, 1)).P);  // over an empty map: propagated
+  };
+  const StateMatrix published = start("fastlio"), measured = start("measured");
+  CHECK(published(block::v, block::v) == Approx(1.0).epsilon(0.02));
+  CHECK(published(block::theta, block::theta) == Approx(1.0).epsilon(0.02));
+  CHECK(published(block::b_w, block::b_w) == Approx(1e-4).epsilon(0.02));
+  CHECK(published(block::b_a, block::b_a) == Approx(1e-3).epsilon(0.02));
+  CHECK(published(block::g, block::g) == Approx(1e-5 * kStandardGravity * kStandardGravity).epsilon(0.02));
+  CHECK(published(block::g + 2, block::g + 2) == Approx(0.0).margin(1e-9));
+  CHECK(measured(block::b_a, block::b_a) == Approx(0.04).epsilon(0.02));
+  CHECK(measured(block::theta, block::theta) < 1e-3);
+}
+
 TEST_CASE("predict says what the next update starts from and changes nothing") {
   Filter filter;
   filter.build_map(1);

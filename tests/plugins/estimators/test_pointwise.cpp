@@ -1,8 +1,12 @@
 // The filter that takes points one firing at a time: its transition, its sequential update, its trajectory, and what it
 // makes of a room with a gyro at its limit and of a start in motion.
 #include <Eigen/LU>
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
 #include <random>
+#include <tuple>
 
 #include "estimators/knot_trajectory.hpp"
 #include "estimators/pointwise_state.hpp"
@@ -304,4 +308,42 @@ TEST_CASE("the pointwise filter records the length of a residual of several rows
   CHECK(accepted == 1000);
   CHECK(negative == 0);
   CHECK(found.nis < 3.0);
+}
+
+TEST_CASE("the pointwise filter takes means of cubes at their mean time, but a first map of all points") {  // eq. PTW-7
+  const std::string estimator = "estimator={type: pointwise_eskf, mean_leaf: 1, first_map: all}";
+  Filter filter({estimator});
+  const RoomWindow first(kRoomEpoch, kTenth, TurningRoom{}, 1), second(kRoomEpoch + kTenth, kTenth, TurningRoom{}, 2);
+  const Update& start = filter.update(first);
+  REQUIRE(start.status == UpdateStatus::initialising);
+  CHECK(start.map_points.size() == first.fresh.size());
+  filter.map->insert(start.map_points, 1);
+
+  const Update& update = filter.update(second);
+  REQUIRE(update.accepted);
+  std::map<std::tuple<double, double, double>, std::vector<const TimedPoint*>> cubes;
+  for (const TimedPoint& p : second.fresh) cubes[{std::floor(p.x), std::floor(p.y), std::floor(p.z)}].push_back(&p);
+  CHECK(cubes.size() < second.fresh.size() / 10);
+  const auto placed = update.points(PointUse::map);
+  REQUIRE(placed.size() == cubes.size());
+  CHECK(std::is_sorted(placed.begin(), placed.end(), [](const auto& a, const auto& b) { return a.t < b.t; }));
+  for (const auto& [cube, members] : cubes) {
+    Vec3 mean = Vec3::Zero();
+    TimeNs late = 0;
+    for (const TimedPoint* p : members) {
+      mean += Vec3(p->x, p->y, p->z) / static_cast<double>(members.size());
+      late += p->t - kRoomEpoch;
+    }
+    const TimeNs t = kRoomEpoch + late / static_cast<TimeNs>(members.size());
+    const auto found = std::find_if(placed.begin(), placed.end(), [&](const WorldPoint& p) {
+      return std::abs(p.t - t) <= 1 && (p.p_W - mean).norm() < 0.02;
+    });
+    CHECK(found != placed.end());  // at rest, where the filter is within 2 cm
+  }
+}
+
+TEST_CASE("the pointwise filter samples the first map as any other where nothing else is asked") {
+  Filter filter({"estimator={type: pointwise_eskf, mean_leaf: 1}"});
+  const RoomWindow first(kRoomEpoch, kTenth, TurningRoom{}, 1);
+  CHECK(filter.update(first).map_points.size() < first.fresh.size() / 10);
 }

@@ -149,6 +149,30 @@ TEST_CASE("neighbours that span no plane give none") {
   }
 }
 
+TEST_CASE("fewer neighbours make a plane where asked, each query of as many as it has") {
+  test::BuildEnvironment environment;
+  PointToPlane::Params params;
+  params.k_min = 3;
+  PointToPlane some(params, environment.context());
+  PointToPlane all({}, environment.context());
+  Batch batch(5);
+  const std::vector<std::size_t> counts{5, 3, 2, 4, 5, 0, 3};
+  for (const std::size_t count : counts) {
+    std::vector<Vec3> square{{0.5, 0.5, 0.1}, {0.5, -0.5, 0.1}, {-0.5, 0.4, 0.1}, {-0.4, -0.5, 0.1}, {0.1, 0.0, 0.1}};
+    square.resize(count);
+    batch.add(Vec3(1, 2, 3), square);
+  }
+  const auto of_some = batch.fit(some), of_all = batch.fit(all);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    CAPTURE(i, counts[i]);
+    CHECK(of_all[i].valid == (counts[i] == 5));
+    REQUIRE(of_some[i].valid == (counts[i] >= 3));
+    if (!of_some[i].valid) continue;
+    CHECK(angle(of_some[i].normal, Vec3::UnitZ()) < 1e-6);
+    CHECK(of_some[i].anchor.z() == Approx(3.1));
+  }
+}
+
 TEST_CASE("a plane is refused exactly when a neighbour lies beyond the threshold") {
   test::BuildEnvironment environment;
   // A square with its centre raised by h: the plane lies at h / 5, the centre 4 h / 5 above it.

@@ -29,6 +29,10 @@ void InitialisationParams::describe(config::Binder& b, InitialisationParams& p) 
   b.flag("register_sweeps", p.register_sweeps,
          "auto and dynamic: registers the first sweeps, to prove a rest or to find the first velocity; false: the IMU "
          "decides, and the first updates find the velocity");
+  b.flag(
+      "scale_specific_force", p.scale_specific_force,
+      "multiplies the accelerometer's readings by g / |their mean at the start| (FAST-LIO2); a start in motion scales "
+      "by what the motion adds");
 }
 
 namespace {
@@ -124,6 +128,7 @@ Initialisation start_of(std::span<const ImuSample> used, const Averages& mean, b
   Initialisation out;
   InitialState& initial = out.initial;
   initial.state.t = used.back().t;
+  out.mean_force = mean.acc.norm();
   if (is_static) {
     initial.mode = InitialMode::static_start;
     initial.state.b_w = mean.gyro;  // eq. INI-2

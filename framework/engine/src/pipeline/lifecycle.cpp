@@ -30,6 +30,7 @@ std::optional<InitialState> Lifecycle::first_start(bool inertial) {
     forget_waiting_data();
     return std::nullopt;
   }
+  scale_specific_force(*found);
   initialisation_ = std::move(found);
   tracking_.begin(initialisation_->initial.state.t);
   // A silence is known to be longer than max_gap once points that much later came, and the IMU may still be late.
@@ -55,6 +56,7 @@ std::optional<InitialState> Lifecycle::next_start(const Estimator& estimator, bo
   if (!look_at_sweeps(*found_start_, inertial, &heading)) return std::nullopt;
   const auto found = std::exchange(found_start_, std::nullopt);
   new_start_.reset();
+  scale_specific_force(*found);
   ++segment_;
   tracking_.restart(found->initial.state.t);
   return found->initial;
@@ -64,6 +66,12 @@ void Lifecycle::begin(const NavState& state) {
   last_point_ = last_accepted_ = segment_begin_ = state.t;
   believed_ = state.pose();
   stream_.release(state.t);
+}
+
+/// eq. INI-7.
+void Lifecycle::scale_specific_force(const Initialisation& found) {
+  if (!config_.initialisation.scale_specific_force || found.mean_force <= 0) return;
+  stream_.scale_specific_force(kStandardGravity / found.mean_force);
 }
 
 /// Lets the first sweeps confirm or correct a start (eq. INI-6). False while they have not arrived.

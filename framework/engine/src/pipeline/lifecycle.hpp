@@ -55,6 +55,7 @@ class Lifecycle {
   std::optional<InitialState> first_start(bool inertial);
   std::optional<InitialState> next_start(const Estimator& estimator, bool misled);
   void begin(const NavState& state);
+  void scale_specific_force(const Initialisation& found);
   bool look_at_sweeps(Initialisation& found, bool inertial, const Mat3* heading);
   void forget_waiting_data();
   TimeNs points_kept() const;

@@ -162,6 +162,8 @@ void MeasurementStream::imu_covering(TimeNs begin, TimeNs end, std::vector<ImuSa
   out.push_back(imu_at(from, begin));
   for (std::size_t i = from; i < to && samples[i].t < end; ++i) out.push_back(samples[i]);
   out.push_back(imu_at(to, end));
+  if (force_scale_ == 1.0) return;
+  for (ImuSample& sample : out) sample.acc *= force_scale_;
 }
 
 std::optional<TimeNs> MeasurementStream::imu_silent_after(TimeNs begin, TimeNs end, TimeNs longest) const {

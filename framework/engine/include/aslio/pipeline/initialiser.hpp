@@ -18,6 +18,8 @@ struct InitialisationParams {
   double static_acc_std = 0.3;  ///< [m/s^2]
   double static_rate = 0.05;    ///< [rad/s]
   bool register_sweeps = true;  ///< rest is proved, and a velocity found, by the first sweeps (INI-6)
+  /// The mean specific force of the start is taken for one of the length of gravity, as are all after it (INI-7).
+  bool scale_specific_force = false;
 
   static void describe(config::Binder& b, InitialisationParams& p);
 };
@@ -25,7 +27,8 @@ struct InitialisationParams {
 /// What was found, for the summary.
 struct Initialisation {
   InitialState initial;
-  std::string verdict;  ///< "static: |mean rate| 0.003 rad/s, acc std 0.04 m/s^2 over 21 samples"
+  double mean_force = 0;  ///< length of the mean specific force [m/s^2]; 0 without IMU
+  std::string verdict;    ///< "static: |mean rate| 0.003 rad/s, acc std 0.04 m/s^2 over 21 samples"
   /// Why the first velocity may be wrong, for the status of the run; empty: nothing speaks against it.
   std::string doubt;
 };

@@ -75,6 +75,10 @@ class MeasurementStream final : public StreamView {
   /// falls silent would stop all windows, and the points pile up.)
   void wait_for_imu(TimeNs patience) { imu_patience_ = patience; }
 
+  /// cut() and imu_covering() give the specific force times `factor` from now on, what imu() gives stays as read. Pre:
+  /// factor > 0. eq. INI-7.
+  void scale_specific_force(double factor) { force_scale_ = factor; }
+
   /// The window of a plan: spans into the stream, IMU interpolated at both ends (held where IMU data is missing).
   /// Valid until the next push(), release() or cut().
   Window cut(const WindowPlan& plan, std::uint32_t sequence);
@@ -188,6 +192,7 @@ class MeasurementStream final : public StreamView {
   TimeOrdered<ImuSample> imu_;
   std::vector<Sweep> sweeps_;  ///< in order of arrival
   std::vector<ImuSample> window_imu_;
+  double force_scale_ = 1;
   std::array<PacketKey, kRecentPackets> recent_packets_{};
   std::size_t recent_count_ = 0;
   PacketSorter sorter_;
