@@ -56,7 +56,6 @@ std::optional<InitialState> Lifecycle::next_start(const Estimator& estimator, bo
   if (!look_at_sweeps(*found_start_, inertial, &heading)) return std::nullopt;
   const auto found = std::exchange(found_start_, std::nullopt);
   new_start_.reset();
-  scale_specific_force(*found);
   ++segment_;
   tracking_.restart(found->initial.state.t);
   return found->initial;
@@ -68,7 +67,7 @@ void Lifecycle::begin(const NavState& state) {
   stream_.release(state.t);
 }
 
-/// eq. INI-7.
+/// eq. INI-7. Of the start of the run alone: the sensor stays the same, and after a loss the mean is often of a motion.
 void Lifecycle::scale_specific_force(const Initialisation& found) {
   if (!config_.initialisation.scale_specific_force || found.mean_force <= 0) return;
   stream_.scale_specific_force(kStandardGravity / found.mean_force);
