@@ -32,7 +32,7 @@ TEST_CASE("the scenes of the paper and the others are there", "[scenes]") {
   for (const auto& file : scene_files()) names.push_back(file.stem().string());
   for (const char* name :
        {"indoor_1", "indoor_2", "indoor_3", "outdoor_1", "outdoor_2", "outdoor_3", "outdoor_4", "outdoor_5",
-        "outdoor_6", "garage_degenerate", "doorway_360", "quickstart", "drive_city", "drive_highway"}) {
+        "outdoor_6", "garage_degenerate", "doorway_360", "quickstart", "drive_city", "drive_highway", "stairwell"}) {
     CAPTURE(name);
     CHECK(std::count(names.begin(), names.end(), name) == 1);
   }
@@ -43,6 +43,7 @@ TEST_CASE("every scene that is walked returns to its start", "[scenes]") {
     if (driven(file)) continue;
     const SceneFile scene = load_scene(file);
     for (const double scale : {0.2, 1.0}) {
+      if (scale != 1 && scene.scene.world.type == WorldKind::stairwell) continue;  // steps do not scale
       CAPTURE(file.stem().string(), scale);
       const Simulation simulation(scene, {.scale = scale});
       const MotionState begin = simulation.motion().at(0), end = simulation.motion().at(simulation.duration());

@@ -37,6 +37,8 @@ void describe_world(config::Binder& b, WorldParams& params) {
       return ApproachParams::describe(b, params.approach);
     case WorldKind::doorway:
       return DoorwayParams::describe(b, params.doorway);
+    case WorldKind::stairwell:
+      return StairwellParams::describe(b, params.stairwell);
     case WorldKind::street:
       return StreetParams::describe(b, params.street);
     case WorldKind::mesh:
@@ -54,6 +56,7 @@ void WorldParams::describe(config::Binder& b, WorldParams& params) {
             {"campus", WorldKind::campus},
             {"approach", WorldKind::approach},
             {"doorway", WorldKind::doorway},
+            {"stairwell", WorldKind::stairwell},
             {"street", WorldKind::street},
             {"mesh", WorldKind::mesh}},
            "kind of world; the other keys depend on it");
@@ -163,8 +166,10 @@ void Scene::describe(config::Binder& b, Scene& scene) {
   require_places(b, scene);
   require_realism(b, scene);
   const PeopleParams& people = scene.people;
-  b.require(!follows || people.walking + people.ahead + people.crossing == 0, "people",
-            "people walk along a route: a scene that follows a file has none");
+  const bool alone = people.walking + people.ahead + people.crossing == 0;
+  b.require(!follows || alone, "people", "people walk along a route: a scene that follows a file has none");
+  b.require(scene.world.type != WorldKind::stairwell || alone, "people",
+            "people stay on one level: a world of type stairwell has none, leave the group out");
 }
 
 SceneFile load_scene(const std::filesystem::path& path, const std::vector<std::string>& overrides) {

@@ -41,6 +41,8 @@ World build_world(const SceneFile& scene, const Route* route, double scale) {
       return build_approach(world.approach, *route, scale);
     case WorldKind::doorway:
       return build_doorway(world.doorway, *route, scale);
+    case WorldKind::stairwell:
+      return build_stairwell(world.stairwell, *route, scale);
     default:
       return build_office(world.office, *route, scale);
   }
@@ -161,6 +163,7 @@ void Simulation::build_walk(const SceneFile& file) {
     motion_ = make_route_walk(*route_, ground_, scene_.walk, options_.seed, realism_.gait);
     // Of the walk without a body, so that gait moves nobody else.
     const std::unique_ptr<Motion> plain = make_route_walk(*route_, ground_, scene_.walk, options_.seed);
+    if (!world.climbs.empty()) motion_ = make_climbing(std::move(motion_), *plain, *route_, std::move(world.climbs));
     people_ = People(scene_.people, *route_, ground_, *plain, options_.seed);
   } else {
     motion_ = follow_file(beside(file, scene_.follow.file), scene_.follow.knot_interval, &follow_error_);

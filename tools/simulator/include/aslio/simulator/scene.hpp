@@ -22,11 +22,12 @@
 #include "aslio/simulator/worlds/garage.hpp"
 #include "aslio/simulator/worlds/library.hpp"
 #include "aslio/simulator/worlds/office.hpp"
+#include "aslio/simulator/worlds/stairwell.hpp"
 #include "aslio/simulator/worlds/street.hpp"
 
 namespace aslio::simulator {
 
-enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, street, mesh };
+enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, stairwell, street, mesh };
 enum class MotionKind : std::uint8_t { walk, drive };
 
 /// `world:` has `type` and the keys of that type.
@@ -38,6 +39,7 @@ struct WorldParams {
   CampusParams campus;
   ApproachParams approach;
   DoorwayParams doorway;
+  StairwellParams stairwell;
   StreetParams street;
   MeshFileParams mesh;
   static void describe(config::Binder& b, WorldParams& params);

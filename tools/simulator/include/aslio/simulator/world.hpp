@@ -1,6 +1,9 @@
 #pragma once
 /// What surrounds the sensor and does not move. One header per kind in worlds/.
 
+#include <vector>
+
+#include "aslio/simulator/climb.hpp"
 #include "aslio/simulator/ground.hpp"
 #include "aslio/simulator/mesh.hpp"
 
@@ -11,7 +14,8 @@ namespace aslio::simulator {
 /// arguments give equal bits.
 struct World {
   Mesh mesh;
-  Ground ground;  ///< the mesh has this height, to 1 cm, where the route goes
+  Ground ground;  ///< the mesh has this height where the route goes, to 1 cm; on steps to the height of a step
+  std::vector<Climb> climbs = {};  ///< flights that lead over each other; empty: `ground` is all
 };
 
 }  // namespace aslio::simulator
