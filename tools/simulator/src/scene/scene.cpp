@@ -39,6 +39,8 @@ void describe_world(config::Binder& b, WorldParams& params) {
       return DoorwayParams::describe(b, params.doorway);
     case WorldKind::stairwell:
       return StairwellParams::describe(b, params.stairwell);
+    case WorldKind::old_town:
+      return OldTownParams::describe(b, params.old_town);
     case WorldKind::street:
       return StreetParams::describe(b, params.street);
     case WorldKind::mesh:
@@ -57,6 +59,7 @@ void WorldParams::describe(config::Binder& b, WorldParams& params) {
             {"approach", WorldKind::approach},
             {"doorway", WorldKind::doorway},
             {"stairwell", WorldKind::stairwell},
+            {"old_town", WorldKind::old_town},
             {"street", WorldKind::street},
             {"mesh", WorldKind::mesh}},
            "kind of world; the other keys depend on it");

@@ -43,6 +43,8 @@ World build_world(const SceneFile& scene, const Route* route, double scale) {
       return build_doorway(world.doorway, *route, scale);
     case WorldKind::stairwell:
       return build_stairwell(world.stairwell, *route, scale);
+    case WorldKind::old_town:
+      return build_old_town(world.old_town, *route, scale);
     default:
       return build_office(world.office, *route, scale);
   }

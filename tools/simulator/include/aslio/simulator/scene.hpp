@@ -22,12 +22,13 @@
 #include "aslio/simulator/worlds/garage.hpp"
 #include "aslio/simulator/worlds/library.hpp"
 #include "aslio/simulator/worlds/office.hpp"
+#include "aslio/simulator/worlds/old_town.hpp"
 #include "aslio/simulator/worlds/stairwell.hpp"
 #include "aslio/simulator/worlds/street.hpp"
 
 namespace aslio::simulator {
 
-enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, stairwell, street, mesh };
+enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, stairwell, old_town, street, mesh };
 enum class MotionKind : std::uint8_t { walk, drive };
 
 /// `world:` has `type` and the keys of that type.
@@ -40,6 +41,7 @@ struct WorldParams {
   ApproachParams approach;
   DoorwayParams doorway;
   StairwellParams stairwell;
+  OldTownParams old_town;
   StreetParams street;
   MeshFileParams mesh;
   static void describe(config::Binder& b, WorldParams& params);
