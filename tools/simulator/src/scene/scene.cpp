@@ -41,6 +41,8 @@ void describe_world(config::Binder& b, WorldParams& params) {
       return StairwellParams::describe(b, params.stairwell);
     case WorldKind::old_town:
       return OldTownParams::describe(b, params.old_town);
+    case WorldKind::tunnel:
+      return TunnelParams::describe(b, params.tunnel);
     case WorldKind::street:
       return StreetParams::describe(b, params.street);
     case WorldKind::mesh:
@@ -60,6 +62,7 @@ void WorldParams::describe(config::Binder& b, WorldParams& params) {
             {"doorway", WorldKind::doorway},
             {"stairwell", WorldKind::stairwell},
             {"old_town", WorldKind::old_town},
+            {"tunnel", WorldKind::tunnel},
             {"street", WorldKind::street},
             {"mesh", WorldKind::mesh}},
            "kind of world; the other keys depend on it");

@@ -45,6 +45,8 @@ World build_world(const SceneFile& scene, const Route* route, double scale) {
       return build_stairwell(world.stairwell, *route, scale);
     case WorldKind::old_town:
       return build_old_town(world.old_town, *route, scale);
+    case WorldKind::tunnel:
+      return build_tunnel(world.tunnel, *route, scale);
     default:
       return build_office(world.office, *route, scale);
   }

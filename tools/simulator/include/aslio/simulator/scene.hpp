@@ -25,10 +25,23 @@
 #include "aslio/simulator/worlds/old_town.hpp"
 #include "aslio/simulator/worlds/stairwell.hpp"
 #include "aslio/simulator/worlds/street.hpp"
+#include "aslio/simulator/worlds/tunnel.hpp"
 
 namespace aslio::simulator {
 
-enum class WorldKind : std::uint8_t { office, garage, library, campus, approach, doorway, stairwell, old_town, street, mesh };
+enum class WorldKind : std::uint8_t {
+  office,
+  garage,
+  library,
+  campus,
+  approach,
+  doorway,
+  stairwell,
+  old_town,
+  tunnel,
+  street,
+  mesh
+};
 enum class MotionKind : std::uint8_t { walk, drive };
 
 /// `world:` has `type` and the keys of that type.
@@ -42,6 +55,7 @@ struct WorldParams {
   DoorwayParams doorway;
   StairwellParams stairwell;
   OldTownParams old_town;
+  TunnelParams tunnel;
   StreetParams street;
   MeshFileParams mesh;
   static void describe(config::Binder& b, WorldParams& params);
