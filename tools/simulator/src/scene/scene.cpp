@@ -43,6 +43,8 @@ void describe_world(config::Binder& b, WorldParams& params) {
       return OldTownParams::describe(b, params.old_town);
     case WorldKind::tunnel:
       return TunnelParams::describe(b, params.tunnel);
+    case WorldKind::forest:
+      return ForestParams::describe(b, params.forest);
     case WorldKind::street:
       return StreetParams::describe(b, params.street);
     case WorldKind::mesh:
@@ -63,6 +65,7 @@ void WorldParams::describe(config::Binder& b, WorldParams& params) {
             {"stairwell", WorldKind::stairwell},
             {"old_town", WorldKind::old_town},
             {"tunnel", WorldKind::tunnel},
+            {"forest", WorldKind::forest},
             {"street", WorldKind::street},
             {"mesh", WorldKind::mesh}},
            "kind of world; the other keys depend on it");

@@ -47,6 +47,8 @@ World build_world(const SceneFile& scene, const Route* route, double scale) {
       return build_old_town(world.old_town, *route, scale);
     case WorldKind::tunnel:
       return build_tunnel(world.tunnel, *route, scale);
+    case WorldKind::forest:
+      return build_forest(world.forest, *route, scale);
     default:
       return build_office(world.office, *route, scale);
   }

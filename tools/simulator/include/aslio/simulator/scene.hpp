@@ -19,6 +19,7 @@
 #include "aslio/simulator/worlds/approach.hpp"
 #include "aslio/simulator/worlds/campus.hpp"
 #include "aslio/simulator/worlds/doorway.hpp"
+#include "aslio/simulator/worlds/forest.hpp"
 #include "aslio/simulator/worlds/garage.hpp"
 #include "aslio/simulator/worlds/library.hpp"
 #include "aslio/simulator/worlds/office.hpp"
@@ -39,6 +40,7 @@ enum class WorldKind : std::uint8_t {
   stairwell,
   old_town,
   tunnel,
+  forest,
   street,
   mesh
 };
@@ -56,6 +58,7 @@ struct WorldParams {
   StairwellParams stairwell;
   OldTownParams old_town;
   TunnelParams tunnel;
+  ForestParams forest;
   StreetParams street;
   MeshFileParams mesh;
   static void describe(config::Binder& b, WorldParams& params);
