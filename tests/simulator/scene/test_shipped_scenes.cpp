@@ -28,7 +28,7 @@ bool driven(const std::filesystem::path& file) { return load_scene(file).scene.m
 /// Every ray ends on something.
 bool under_a_roof(const std::filesystem::path& file) {
   const WorldKind type = load_scene(file).scene.world.type;
-  return !driven(file) && type != WorldKind::campus && type != WorldKind::old_town;
+  return !driven(file) && type != WorldKind::campus && type != WorldKind::old_town && type != WorldKind::forest;
 }
 
 }  // namespace

@@ -45,6 +45,8 @@ void describe_world(config::Binder& b, WorldParams& params) {
       return TunnelParams::describe(b, params.tunnel);
     case WorldKind::forest:
       return ForestParams::describe(b, params.forest);
+    case WorldKind::escalator_hall:
+      return EscalatorHallParams::describe(b, params.escalator_hall);
     case WorldKind::street:
       return StreetParams::describe(b, params.street);
     case WorldKind::mesh:
@@ -66,6 +68,7 @@ void WorldParams::describe(config::Binder& b, WorldParams& params) {
             {"old_town", WorldKind::old_town},
             {"tunnel", WorldKind::tunnel},
             {"forest", WorldKind::forest},
+            {"escalator_hall", WorldKind::escalator_hall},
             {"street", WorldKind::street},
             {"mesh", WorldKind::mesh}},
            "kind of world; the other keys depend on it");

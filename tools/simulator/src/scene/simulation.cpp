@@ -49,6 +49,8 @@ World build_world(const SceneFile& scene, const Route* route, double scale) {
       return build_tunnel(world.tunnel, *route, scale);
     case WorldKind::forest:
       return build_forest(world.forest, *route, scale);
+    case WorldKind::escalator_hall:
+      return build_escalator_hall(world.escalator_hall, *route, scale);
     default:
       return build_office(world.office, *route, scale);
   }

@@ -19,6 +19,7 @@
 #include "aslio/simulator/worlds/approach.hpp"
 #include "aslio/simulator/worlds/campus.hpp"
 #include "aslio/simulator/worlds/doorway.hpp"
+#include "aslio/simulator/worlds/escalator_hall.hpp"
 #include "aslio/simulator/worlds/forest.hpp"
 #include "aslio/simulator/worlds/garage.hpp"
 #include "aslio/simulator/worlds/library.hpp"
@@ -41,6 +42,7 @@ enum class WorldKind : std::uint8_t {
   old_town,
   tunnel,
   forest,
+  escalator_hall,
   street,
   mesh
 };
@@ -59,6 +61,7 @@ struct WorldParams {
   OldTownParams old_town;
   TunnelParams tunnel;
   ForestParams forest;
+  EscalatorHallParams escalator_hall;
   StreetParams street;
   MeshFileParams mesh;
   static void describe(config::Binder& b, WorldParams& params);
