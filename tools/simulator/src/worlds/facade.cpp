@@ -1,7 +1,6 @@
 #include "worlds/facade.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -9,11 +9,11 @@ namespace aslio::simulator::outdoor {
 /// The placement's x runs along the front from its middle, y into the house, z up from the foot of the front.
 struct FrontShape {
   double width = 6, depth = 8;  ///< of the house [m]
-  double bow = 0;               ///< the middle of the front stands out of the line between its ends by this, or back [m]
-  int floors = 2;               ///< above the ground floor
-  double floor_height = 2.8;    ///< [m]
-  bool arcade = false;          ///< the ground floor is open between round columns
-  double below = 1.5;           ///< the walls reach this far below the foot [m]
+  double bow = 0;             ///< the middle of the front stands out of the line between its ends by this, or back [m]
+  int floors = 2;             ///< above the ground floor
+  double floor_height = 2.8;  ///< [m]
+  bool arcade = false;        ///< the ground floor is open between round columns
+  double below = 1.5;         ///< the walls reach this far below the foot [m]
 
   double height() const { return (floors + 1) * floor_height; }
 };

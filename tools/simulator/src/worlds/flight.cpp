@@ -1,6 +1,5 @@
 #include "worlds/flight.hpp"
 
-#include <array>
 
 #include "worlds/curved.hpp"
 
