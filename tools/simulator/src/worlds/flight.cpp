@@ -1,6 +1,5 @@
 #include "worlds/flight.hpp"
 
-
 #include "worlds/curved.hpp"
 
 namespace aslio::simulator {
