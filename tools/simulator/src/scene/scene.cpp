@@ -90,6 +90,16 @@ std::uint64_t world_seed(const WorldParams& params) {
         return params.approach.seed;
       case WorldKind::doorway:
         return params.doorway.seed;
+      case WorldKind::stairwell:
+        return params.stairwell.seed;
+      case WorldKind::old_town:
+        return params.old_town.seed;
+      case WorldKind::tunnel:
+        return params.tunnel.seed;
+      case WorldKind::forest:
+        return params.forest.seed;
+      case WorldKind::escalator_hall:
+        return params.escalator_hall.seed;
       case WorldKind::street:
         return params.street.seed;
       case WorldKind::mesh:
