@@ -41,6 +41,8 @@ void Reuse::describe(config::Binder& b, Reuse& p) {
   b.optional_real("gate", p.gate, "sigma", {.above = 0.0, .max = 1000.0}, "no gate", kGateDoc);
   b.optional_real("max_residual", p.max_residual, "m", {.above = 0.0, .max = 1000.0}, "any", kMaxResidualDoc);
   describe_refused(b, p.refused);
+  b.flag("redeskew", p.redeskew,
+         "old points follow the newest posterior: between two updates the IMU moves them, not the correction");
 }
 
 HistorySelection WindowHistory::select(const Window& window) {
@@ -55,11 +57,17 @@ HistorySelection WindowHistory::select(const Window& window) {
   const std::size_t offered = points_.size() - head_;
   const std::size_t kept = most(window, offered);
   selected_.clear();
+  if (reuse_.redeskew) follow_imu();
+  auto link = links_.begin();
   for (std::size_t i = 0; i < kept; ++i) {
     HistoryPoint point = points_[head_ + i * offered / kept];
     if (point.t <= plan.history_begin || point.t > plan.fresh_begin) continue;
     if (reuse_.age_taper) {
       point.age_weight = static_cast<float>(std::exp(-to_seconds(plan.end - point.t) / *reuse_.age_taper));
+    }
+    if (reuse_.redeskew) {
+      link = std::find_if(link, links_.end(), [&](const Link& l) { return l.sequence >= point.sequence; });
+      if (link != links_.end() && link->sequence == point.sequence) point.p_W = link->move * point.p_W;
     }
     selected_.push_back(point);
   }
@@ -75,7 +83,34 @@ std::size_t WindowHistory::most(const Window& window, std::size_t offered) const
   return std::min(offered, static_cast<std::size_t>(*reuse_.cap * fresh));
 }
 
+void WindowHistory::link(const Window& window, const Update& update) {
+  Link link{.sequence = window.sequence, .end = window.plan.end, .posterior = update.state.pose()};
+  if (!links_.empty() && links_.back().end == window.plan.fresh_begin) {
+    link.continues = true;
+    link.predicted_begin = update.prior.pose().inverse() * links_.back().posterior;
+  }
+  links_.push_back(link);
+}
+
+// eq. HIS-5, from the newest update backwards.
+void WindowHistory::follow_imu() {
+  Pose end;
+  bool moves = false;
+  for (std::size_t k = links_.size(); k-- > 0;) {
+    Link& link = links_[k];
+    if (moves) {
+      end = end * links_[k + 1].predicted_begin;
+      link.move = end * link.posterior.inverse();
+    } else {
+      end = link.posterior;
+      link.move = Pose{};
+    }
+    moves = link.continues;
+  }
+}
+
 void WindowHistory::commit(const Window& window, const Update& update) {
+  if (reuse_.redeskew) link(window, update);
   const auto points = update.points(PointUse::match);
   for (std::size_t i = 0; i < points.size(); ++i) {
     HistoryPoint point{.p_W = points[i].p_W, .t = points[i].t, .range = points[i].range};
@@ -97,6 +132,7 @@ float WindowHistory::residual_of(const MatchRecord& match) const {
 void WindowHistory::reset() {
   // What earlier updates put into the map stays there, so their ends are not forgotten.
   points_.clear();
+  links_.clear();
   head_ = 0;
 }
 
@@ -106,6 +142,8 @@ void WindowHistory::forget(TimeNs until) {
     points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(head_));
     head_ = 0;
   }
+  const auto inside = std::find_if(links_.begin(), links_.end(), [&](const Link& l) { return l.end > until; });
+  links_.erase(links_.begin(), inside);
   std::size_t older = 0;
   while (older < ends_.size() && ends_[older].t <= until) max_stamp_ = ends_[older++].sequence;
   ends_.erase(ends_.begin(), ends_.begin() + static_cast<std::ptrdiff_t>(older));

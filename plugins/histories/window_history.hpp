@@ -30,6 +30,7 @@ struct Reuse {
   std::optional<double> gate = std::nullopt;          ///< [sigma]
   std::optional<double> max_residual = std::nullopt;  ///< [m]
   Refused refused = Refused::enter;
+  bool redeskew = false;
 
   static void describe(config::Binder& b, Reuse& p);
 };
@@ -44,6 +45,9 @@ inline constexpr std::string_view kMaxResidualDoc =
     "largest residual at its own update with which a matched point enters the history; one that found no surface "
     "enters";
 
+/// With `redeskew`, old points follow the newest posterior: between two updates the IMU moves them, as it would if the
+/// whole window were de-skewed again (HIS-5).
+///
 /// Pre: points of an update come in time order, and history_begin never decreases from window to window (what lies
 /// before it is forgotten).
 class WindowHistory : public HistoryPolicy {
@@ -67,13 +71,27 @@ class WindowHistory : public HistoryPolicy {
 
   /// HistoryPoint::residual: what max_residual judges a point by.
   float residual_of(const MatchRecord& match) const;
+  void link(const Window& window, const Update& update);
+  /// Where the points of each update of links_ belong, seen from where they are.
+  void follow_imu();
   void forget(TimeNs until);
   std::size_t most(const Window& window, std::size_t offered) const;
+
+  /// Two updates, and the motion between them.
+  struct Link {
+    std::uint32_t sequence = 0;
+    TimeNs end = 0;
+    Pose posterior;          ///< T_W_I at `end`
+    Pose predicted_begin;    ///< of the update before, seen from the end that the IMU predicted
+    bool continues = false;  ///< the update before ended where this one began
+    Pose move;               ///< in W
+  };
 
   Reuse reuse_;
   std::vector<HistoryPoint> points_;  ///< in time order; those before head_ are forgotten
   std::size_t head_ = 0;
   std::vector<HistoryPoint> selected_;
+  std::vector<Link> links_;         ///< in time order, of updates whose points may still be inside
   std::vector<UpdateEnd> ends_;     ///< in time order, of windows that may still be inside a later one
   std::uint32_t max_stamp_ = 0;     ///< newest update older than any window to come
   double matched_per_fresh_ = 1.0;  ///< points offered to matching per raw point, at the last update

@@ -81,3 +81,54 @@ TEST_CASE("literal and full take the rules of balanced where they are asked to")
 }
 
 }  // namespace aslio
+
+TEST_CASE("redeskew: between two updates the IMU moves old points, not the correction") {  // eq. HIS-5
+  for (const bool redeskew : {false, true}) {
+    CAPTURE(redeskew);
+    auto policy = make<LiteralHistory>({.weight = 0.5, .reuse = {.redeskew = redeskew}});
+    UpdateLoop loop(policy);
+    // The IMU moves 1 m in each of three windows; each update finds the end 0.1 m farther and turned by 0.2 rad.
+    NavState before;
+    std::vector<Pose> posteriors;
+    const Vec3 seen(5, 1, 0.5);  // in W, of every point when it is placed
+    for (int k = 0; k < 3; ++k) {
+      loop.begin(20 * kMs);
+      policy.select(loop.window);
+      Update update = loop.update();
+      update.prior = before;
+      update.prior.p += before.R * Vec3(1, 0, 0);
+      update.state = update.prior;
+      update.state.p.x() += 0.1;
+      update.state.R = update.prior.R * exp_so3(Vec3(0, 0, 0.2));
+      std::vector<WorldPoint> points(update.match_points.begin(), update.match_points.end());
+      for (WorldPoint& point : points) point.p_W = seen;
+      update.match_points = points;
+      policy.commit(loop.window, update);
+      before = update.state;
+      posteriors.push_back(update.state.pose());
+    }
+    loop.begin(20 * kMs);
+    const HistorySelection selection = policy.select(loop.window);
+    REQUIRE(selection.points.size() == 60);
+    // From the newest posterior one metre back for each window, whatever the corrections were.
+    Pose end = posteriors[2];
+    for (int k = 2; k >= 0; --k) {
+      const auto at = static_cast<std::size_t>(k);
+      const Vec3 body = posteriors[at].inverse() * seen;
+      const Vec3 expected = redeskew ? end * body : seen;
+      CHECK((selection.points[20 * at + 5].p_W - expected).norm() < 1e-12);
+      end = end * Pose{Mat3::Identity(), Vec3(-1, 0, 0)};
+    }
+  }
+}
+
+TEST_CASE("redeskew: a chain that a refused update broke moves nothing before it") {
+  auto policy = make<LiteralHistory>({.weight = 0.5, .reuse = {.redeskew = true}});
+  UpdateLoop loop(policy);
+  loop.step(20 * kMs);
+  loop.step(20 * kMs, false);
+  loop.step(20 * kMs);
+  const HistorySelection selection = loop.step(20 * kMs);
+  CHECK(selection.points.size() == 20);
+  for (const HistoryPoint& point : selection.points) CHECK(point.p_W.x() == to_seconds(point.t));
+}
