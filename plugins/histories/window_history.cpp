@@ -84,7 +84,10 @@ std::size_t WindowHistory::most(const Window& window, std::size_t offered) const
 }
 
 void WindowHistory::link(const Window& window, const Update& update) {
-  Link link{.sequence = window.sequence, .end = window.plan.end, .posterior = update.state.pose()};
+  Link link;
+  link.sequence = window.sequence;
+  link.end = window.plan.end;
+  link.posterior = update.state.pose();
   if (!links_.empty() && links_.back().end == window.plan.fresh_begin) {
     link.continues = true;
     link.predicted_begin = update.prior.pose().inverse() * links_.back().posterior;

@@ -80,8 +80,6 @@ TEST_CASE("literal and full take the rules of balanced where they are asked to")
   CHECK(loop.selected.front().age_weight < loop.selected.back().age_weight);
 }
 
-}  // namespace aslio
-
 TEST_CASE("redeskew: between two updates the IMU moves old points, not the correction") {  // eq. HIS-5
   for (const bool redeskew : {false, true}) {
     CAPTURE(redeskew);
@@ -132,3 +130,5 @@ TEST_CASE("redeskew: a chain that a refused update broke moves nothing before it
   CHECK(selection.points.size() == 20);
   for (const HistoryPoint& point : selection.points) CHECK(point.p_W.x() == to_seconds(point.t));
 }
+
+}  // namespace aslio
