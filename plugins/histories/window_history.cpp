@@ -88,27 +88,18 @@ void WindowHistory::link(const Window& window, const Update& update) {
   link.sequence = window.sequence;
   link.end = window.plan.end;
   link.posterior = update.state.pose();
-  if (!links_.empty() && links_.back().end == window.plan.fresh_begin) {
-    link.continues = true;
-    link.predicted_begin = update.prior.pose().inverse() * links_.back().posterior;
-  }
+  if (!links_.empty()) link.predicted_begin = update.prior.pose().inverse() * links_.back().posterior;
   links_.push_back(link);
 }
 
 // eq. HIS-5, from the newest update backwards.
 void WindowHistory::follow_imu() {
-  Pose end;
-  bool moves = false;
-  for (std::size_t k = links_.size(); k-- > 0;) {
-    Link& link = links_[k];
-    if (moves) {
-      end = end * links_[k + 1].predicted_begin;
-      link.move = end * link.posterior.inverse();
-    } else {
-      end = link.posterior;
-      link.move = Pose{};
-    }
-    moves = link.continues;
+  if (links_.empty()) return;
+  Pose end = links_.back().posterior;
+  links_.back().move = Pose{};
+  for (std::size_t k = links_.size() - 1; k-- > 0;) {
+    end = end * links_[k + 1].predicted_begin;
+    links_[k].move = end * links_[k].posterior.inverse();
   }
 }
 

@@ -45,8 +45,8 @@ inline constexpr std::string_view kMaxResidualDoc =
     "largest residual at its own update with which a matched point enters the history; one that found no surface "
     "enters";
 
-/// With `redeskew`, old points follow the newest posterior: between two updates the IMU moves them, as it would if the
-/// whole window were de-skewed again (HIS-5).
+/// With `redeskew`, old points follow the newest posterior: between two updates the IMU moves them, with the
+/// velocity and biases that it had then (HIS-5).
 ///
 /// Pre: points of an update come in time order, and history_begin never decreases from window to window (what lies
 /// before it is forgotten).
@@ -77,14 +77,13 @@ class WindowHistory : public HistoryPolicy {
   void forget(TimeNs until);
   std::size_t most(const Window& window, std::size_t offered) const;
 
-  /// Two updates, and the motion between them.
+  /// An update, and the motion since the one before. Fresh intervals tile the stream, so that links are a chain.
   struct Link {
     std::uint32_t sequence = 0;
     TimeNs end = 0;
-    Pose posterior;          ///< T_W_I at `end`
-    Pose predicted_begin;    ///< of the update before, seen from the end that the IMU predicted
-    bool continues = false;  ///< the update before ended where this one began
-    Pose move;               ///< in W
+    Pose posterior;        ///< T_W_I at `end`
+    Pose predicted_begin;  ///< of the update before, seen from the end that the IMU predicted
+    Pose move;             ///< in W
   };
 
   Reuse reuse_;

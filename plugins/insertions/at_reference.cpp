@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 
 #include "aslio/core/csv.hpp"
@@ -23,6 +24,7 @@ constexpr TimeNs kMaxGap = kSecond / 5;
 
 /// Seconds as a decimal number, to the nanosecond: a double does not hold them.
 std::optional<TimeNs> exact_time(std::string_view text) {
+  if (text.empty() || text.front() == '.') return std::nullopt;
   const std::size_t point = std::min(text.find('.'), text.size());
   std::string digits(text.substr(0, point));
   std::string fraction(text.substr(std::min(point + 1, text.size())));
@@ -45,7 +47,8 @@ Trajectory read_reference(const std::string& file) {
     for (std::size_t c = 1; c < columns.size(); ++c) {
       const std::string& cell = table.rows[row][columns.at(c)];
       const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), v.at(c));
-      if (error != std::errc() || end != cell.data() + cell.size()) refuse(table, row, kColumns.at(c), cell);
+      if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(v.at(c)))
+        refuse(table, row, kColumns.at(c), cell);
     }
     const std::string& time = table.rows[row][columns.at(0)];
     const auto t = exact_time(time);

@@ -35,10 +35,14 @@ TEST_CASE("describe tells the keys of a scene, with those of every type of world
   CHECK(text.code == 0);
   CHECK_THAT(text.out, Contains("schema: aslio/scene/1") && Contains("walk.glances.N.angle: number") &&
                            Contains("lidar.noise: true|false") && Contains("stress.packet_loss"));
-  const std::string types = "office|garage|library|campus|approach|doorway|street|mesh";
-  CHECK_THAT(text.out, Contains("world.type: one of " + types + ","));
+  const std::string types =
+      "office|garage|library|campus|approach|doorway|stairwell|old_town|tunnel|forest|escalator_hall|street|mesh";
+  std::string joined = text.out;  // the list is broken over two lines
+  for (std::size_t at = joined.find("\n  |"); at != std::string::npos; at = joined.find("\n  |")) joined.erase(at, 3);
+  CHECK_THAT(joined, Contains("world.type: one of " + types + ","));
   std::size_t from = 0;
-  for (const char* type : {"office", "garage", "library", "campus", "approach", "doorway", "street", "mesh"}) {
+  for (const char* type : {"office", "garage", "library", "campus", "approach", "doorway", "stairwell", "old_town",
+                           "tunnel", "forest", "escalator_hall", "street", "mesh"}) {
     INFO(type);
     const std::size_t at = text.out.find(std::string("\nworld of type ") + type + "\n\n  world.", from);
     REQUIRE(at != std::string::npos);

@@ -66,8 +66,7 @@ std::vector<Part> scene_parts() {
   };
   all.erase(std::remove_if(all.begin(), all.end(), depends_on_type), all.end());
   parts.push_back(drive_part());
-  for (const WorldKind kind : {WorldKind::office, WorldKind::garage, WorldKind::library, WorldKind::campus,
-                               WorldKind::approach, WorldKind::doorway, WorldKind::street, WorldKind::mesh}) {
+  for (const WorldKind kind : simulator::kWorldKinds) {
     config::Description world = config::describe([kind](config::Binder& binder) {
       simulator::WorldParams params;
       params.type = kind;

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
 #include "aslio/evaluation/report.hpp"
 #include "aslio/experiment/truth.hpp"
+#include "aslio/io/sensor_file.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "dataset_options.hpp"
@@ -57,7 +57,8 @@ int evaluate(const EvaluateArguments& a) {
   const io::SensorConfig* sensor = nullptr;  // one that was not read has no transform
   if (!a.sensor.empty() || dataset) {
     const std::filesystem::path file = a.sensor.empty() ? dataset->sensor : std::filesystem::path(a.sensor);
-    read = config::load<io::SensorConfig>(file, config::FileKind::sensor, load_stages({}).catalog).value;
+    read = io::load_sensor(file, load_stages({}).catalog).value;
+    if (!read.placeholder_warning.empty()) tell("warning: " + read.placeholder_warning);
     sensor = &read;
   }
   const auto estimate = estimated_poses(a, sensor);

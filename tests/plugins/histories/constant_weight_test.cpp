@@ -120,15 +120,27 @@ TEST_CASE("redeskew: between two updates the IMU moves old points, not the corre
   }
 }
 
-TEST_CASE("redeskew: a chain that a refused update broke moves nothing before it") {
+TEST_CASE("redeskew: a refused update begins a chain of its own") {
   auto policy = make<LiteralHistory>({.weight = 0.5, .reuse = {.redeskew = true}});
   UpdateLoop loop(policy);
-  loop.step(20 * kMs);
+  const auto update_at = [&](double predicted, double found) {
+    loop.begin(20 * kMs);
+    policy.select(loop.window);
+    Update update = loop.update();
+    update.prior.p = Vec3(predicted, 0, 0);
+    update.state.p = Vec3(found, 0, 0);
+    policy.commit(loop.window, update);
+  };
+  update_at(1, 1.5);
   loop.step(20 * kMs, false);
-  loop.step(20 * kMs);
+  update_at(3, 3);
+  update_at(4, 4.25);  // 0.25 m farther than the IMU
   const HistorySelection selection = loop.step(20 * kMs);
-  CHECK(selection.points.size() == 20);
-  for (const HistoryPoint& point : selection.points) CHECK(point.p_W.x() == to_seconds(point.t));
+  REQUIRE(selection.points.size() == 40);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const HistoryPoint& point = selection.points[i];
+    CHECK(point.p_W.x() == Approx(to_seconds(point.t) + (i < 20 ? 0.25 : 0)));
+  }
 }
 
 }  // namespace aslio

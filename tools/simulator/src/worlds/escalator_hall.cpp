@@ -354,6 +354,10 @@ void EscalatorHallParams::describe(config::Binder& b, EscalatorHallParams& param
 
 World build_escalator_hall(const EscalatorHallParams& params, const Route& route, double scale) {
   const Layout layout = layout_of(params, route, scale);
+  constexpr double kHeadroom = 4;  // [m]
+  if (const double height = layout.flight.height(); params.spring + 0.3 * height < height + kHeadroom)
+    throw ConfigError(fmt::format("world.spring is {:g} m: over an upper floor at {:.3g} m it must be {:.3g} m or more",
+                                  params.spring, height, 0.7 * height + kHeadroom));
   Ground ground;
   const double c = std::cos(layout.frame.yaw), s = std::sin(layout.frame.yaw);
   add_ramps(ground, layout.flight, layout.frame.yaw, c * layout.frame.origin.x() + s * layout.frame.origin.y());

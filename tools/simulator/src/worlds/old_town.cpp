@@ -158,8 +158,7 @@ bool OldTown::add_passage(const Route::Place& place, RandomStream& random) {
   const auto tone = static_cast<std::uint8_t>(random.uniform(90, 180));
   std::vector<Vec2> profile = curved::arc({0, kSpring}, kVaultHalf, 0, kPi);
   const std::vector<Vec2> vault = profile;
-  profile.insert(profile.begin(), {-1.0, 0});
-  profile.front() = {kVaultHalf, low - foot};
+  profile.insert(profile.begin(), {kVaultHalf, low - foot});
   profile.emplace_back(-kVaultHalf, low - foot);
   const std::array<curved::Station, 2> stations{curved::Station{{-half, 0, 0}}, curved::Station{{half, 0, 0}}};
   curved::sweep(builder_, profile, stations, tone);

@@ -1,6 +1,7 @@
 #pragma once
 /// A scene file (`schema: aslio/scene/1`): world, motion, people, sensors and their errors.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -46,6 +47,11 @@ enum class WorldKind : std::uint8_t {
   street,
   mesh
 };
+/// All of them, in this order.
+inline constexpr std::array<WorldKind, 13> kWorldKinds = {
+    WorldKind::office,         WorldKind::garage,    WorldKind::library,  WorldKind::campus, WorldKind::approach,
+    WorldKind::doorway,        WorldKind::stairwell, WorldKind::old_town, WorldKind::tunnel, WorldKind::forest,
+    WorldKind::escalator_hall, WorldKind::street,    WorldKind::mesh};
 enum class MotionKind : std::uint8_t { walk, drive };
 
 /// `world:` has `type` and the keys of that type.
