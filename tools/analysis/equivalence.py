@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Whether two methods differ, or are the same to within a tenth, over worlds of their own: the rule of adaptivity_worlds.
+
+The figure is the mean over the worlds of log(arm / baseline), with its 90 % interval by Student's t. Worlds of one kind of
+scene are a cluster: their deviations add up (sandwich variance, one degree of freedom less than kinds). Within [0.9, 1.1]
+it makes no difference, which is what two one-sided tests of 5 % each show; else the side of 1 decides, where there is one.
+A lost run counts as twice the error of the other arm; where both are lost the world tells nothing and is counted.
+"""
+import argparse
+import collections
+import math
+import sys
+
+import numpy as np
+
+import study_folder
+
+MARGIN = (0.9, 1.1)
+CONFIDENCE = 0.90
+LOST = math.log(2)
+
+
+def log_ratios(study, arm, baseline, metric, suffix):
+    """{kind of scene: [log ratio of each world]}, and the number of worlds in which both are lost."""
+    values = {(run.method, run.data): (run.sequence, run.value(metric)) for run in study.runs}
+    kinds, both_lost = collections.defaultdict(list), 0
+    for (method, data), (sequence, base) in values.items():
+        if method != baseline or not sequence.endswith(suffix) or (arm, data) not in values:
+            continue
+        other = values[arm, data][1]
+        if base is None or other is None or base <= 0 or other <= 0:
+            raise study_folder.FolderError(f"{study.folder}: {data}: no figure {metric} of {arm} and {baseline}")
+        if math.isinf(base) and math.isinf(other):
+            both_lost += 1
+        elif math.isinf(base):
+            kinds[sequence].append(-LOST)
+        elif math.isinf(other):
+            kinds[sequence].append(LOST)
+        else:
+            kinds[sequence].append(math.log(other / base))
+    return kinds, both_lost
+
+
+def students_t(share, degrees):
+    """Quantile of Student's t distribution, share above 0.5: by bisection of the integral of its density."""
+    scale = math.exp(math.lgamma((degrees + 1) / 2) - math.lgamma(degrees / 2)) / math.sqrt(degrees * math.pi)
+
+    def below(x):
+        t = np.linspace(0, x, 4001)
+        density = scale * (1 + t * t / degrees) ** (-(degrees + 1) / 2)
+        return 0.5 + x / 12000 * (density[0] + 4 * density[1::2].sum() + 2 * density[2:-1:2].sum() + density[-1])
+
+    low, high = 0.0, 100.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if below(middle) < share else (low, middle)
+    return (low + high) / 2
+
+
+def interval(kinds):
+    """Mean and 90 % interval of the logarithms, clustered by kind. Needs two kinds or more."""
+    everything = np.concatenate([np.asarray(v, float) for v in kinds.values()])
+    mean, count, clusters = everything.mean(), len(everything), len(kinds)
+    meat = sum((np.asarray(v) - mean).sum() ** 2 for v in kinds.values())
+    error = math.sqrt(clusters / (clusters - 1) * meat) / count
+    half = students_t(0.5 + CONFIDENCE / 2, clusters - 1) * error
+    return mean, mean - half, mean + half
+
+
+def verdict(low, high):
+    """Of an interval of ratios, arm to baseline. The baseline is what is asked about."""
+    if MARGIN[0] <= low and high <= MARGIN[1]:
+        return "no difference"
+    if low > 1:
+        return "the baseline helps"
+    if high < 1:
+        return "the baseline harms"
+    return "not decided"
+
+
+def lines(study, baseline, metric, suffixes):
+    yield "| worlds | arm | pairs | kinds | both lost | ratio | 90 % interval | verdict |"
+    yield "|---|---|---|---|---|---|---|---|"
+    for suffix in suffixes:
+        for arm in study.methods:
+            if arm == baseline:
+                continue
+            kinds, both_lost = log_ratios(study, arm, baseline, metric, suffix)
+            count = sum(len(v) for v in kinds.values())
+            name = suffix.lstrip("_") or "all"
+            if len(kinds) < 2:
+                yield f"| {name} | {arm} | {count} | {len(kinds)} | {both_lost} | - | - | not decided |"
+                continue
+            mean, low, high = (math.exp(x) for x in interval(kinds))
+            yield (f"| {name} | {arm} | {count} | {len(kinds)} | {both_lost} | {mean:.3f} | {low:.3f} to {high:.3f} | "
+                   f"{verdict(low, high)} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("folder", help="output of aslio experiment")
+    parser.add_argument("--baseline", default="adaptive", help="method that is asked about (default: adaptive)")
+    parser.add_argument("--metric", default="ate_m")
+    parser.add_argument("--worlds", default="_ideal,_realistic", help="endings of sequences, each decided apart")
+    args = parser.parse_args()
+    try:
+        study = study_folder.Study(args.folder)
+        if args.baseline not in study.methods:
+            raise study_folder.FolderError(f"{args.folder}: no method '{args.baseline}'; it has {', '.join(study.methods)}")
+        print("\n".join(lines(study, args.baseline, args.metric, args.worlds.split(","))))
+    except study_folder.FolderError as error:
+        sys.exit(f"error: {error}")
+
+
+if __name__ == "__main__":
+    main()
