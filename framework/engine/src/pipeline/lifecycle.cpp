@@ -1,11 +1,7 @@
 #include "lifecycle.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
-
-#include "aslio/core/errors.hpp"
 
 namespace aslio::pipeline {
 
@@ -74,15 +70,7 @@ void Lifecycle::begin(const NavState& state) {
 /// eq. INI-7. Of the start of the run alone: the sensor stays the same, and after a loss the mean is often of a motion.
 void Lifecycle::scale_specific_force(const Initialisation& found) {
   if (!config_.initialisation.scale_specific_force || found.mean_force <= 0) return;
-  constexpr double kMost = 1.25;
-  const double factor = kStandardGravity / found.mean_force;
-  if (!(factor < kMost && factor > 1 / kMost))
-    throw DataError(
-        fmt::format("initialisation.scale_specific_force: the mean specific force at the start is {:.3g} m/s^2, {:.2g} "
-                    "times gravity: "
-                    "check acc_unit of the sensor file, start at rest, or switch the key off",
-                    found.mean_force, 1 / factor));
-  stream_.scale_specific_force(factor);
+  stream_.scale_specific_force(kStandardGravity / found.mean_force);
 }
 
 /// Lets the first sweeps confirm or correct a start (eq. INI-6). False while they have not arrived.
