@@ -11,9 +11,10 @@ import collections
 import math
 import sys
 
-import numpy as np
+from numerics import np
 
 import study_folder
+from report import markdown_table
 
 MARGIN = (0.9, 1.1)
 CONFIDENCE = 0.90
@@ -78,39 +79,42 @@ def verdict(low, high):
     return "not decided"
 
 
-def lines(study, baseline, metric, suffixes):
-    yield "| worlds | arm | pairs | kinds | both lost | ratio | 90 % interval | verdict |"
-    yield "|---|---|---|---|---|---|---|---|"
+HEADER = ["worlds", "arm", "pairs", "kinds", "both lost", "ratio", "90 % interval", "verdict"]
+
+
+def rows(study, baseline, metric, suffixes):
     for suffix in suffixes:
         for arm in study.methods:
             if arm == baseline:
                 continue
             kinds, both_lost = log_ratios(study, arm, baseline, metric, suffix)
             count = sum(len(v) for v in kinds.values())
-            name = suffix.lstrip("_") or "all"
+            row = [suffix.lstrip("_") or "all", arm, count, len(kinds), both_lost]
             if len(kinds) < 2:
-                yield f"| {name} | {arm} | {count} | {len(kinds)} | {both_lost} | - | - | not decided |"
+                yield [*row, "-", "-", "not decided"]
                 continue
             mean, low, high = (math.exp(x) for x in interval(kinds))
-            yield (f"| {name} | {arm} | {count} | {len(kinds)} | {both_lost} | {mean:.3f} | {low:.3f} to {high:.3f} | "
-                   f"{verdict(low, high)} |")
+            yield [*row, f"{mean:.3f}", f"{low:.3f} to {high:.3f}", verdict(low, high)]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", help="output of aslio experiment")
     parser.add_argument("--baseline", default="adaptive", help="method that is asked about (default: adaptive)")
     parser.add_argument("--metric", default="ate_m")
     parser.add_argument("--worlds", default="_ideal,_realistic", help="endings of sequences, each decided apart")
-    args = parser.parse_args()
+    options = parser.parse_args(arguments)
     try:
-        study = study_folder.Study(args.folder)
-        if args.baseline not in study.methods:
-            raise study_folder.FolderError(f"{args.folder}: no method '{args.baseline}'; it has {', '.join(study.methods)}")
-        print("\n".join(lines(study, args.baseline, args.metric, args.worlds.split(","))))
+        study = study_folder.Study(options.folder)
+        if options.baseline not in study.methods:
+            raise study_folder.FolderError(
+                f"{options.folder}: has no method {options.baseline}; there are {', '.join(study.methods)}")
+        print(markdown_table(HEADER, list(rows(study, options.baseline, options.metric, options.worlds.split(",")))))
     except study_folder.FolderError as error:
-        sys.exit(f"error: {error}")
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))
