@@ -4,12 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <string_view>
 
 #include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/parse.hpp"
 
 namespace aslio::plugins {
 namespace {
@@ -22,20 +21,6 @@ constexpr TimeNs kMaxGap = kSecond / 5;
       fmt::format("{}:{}: {} '{}' is not a number", table.path.string(), table.lines[row], column, cell.substr(0, 40)));
 }
 
-/// Seconds as a decimal number, to the nanosecond: a double does not hold them.
-std::optional<TimeNs> exact_time(std::string_view text) {
-  if (text.empty() || text.front() == '.') return std::nullopt;
-  const std::size_t point = std::min(text.find('.'), text.size());
-  std::string digits(text.substr(0, point));
-  std::string fraction(text.substr(std::min(point + 1, text.size())));
-  fraction.resize(9, '0');
-  digits += fraction;
-  TimeNs t = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), t);
-  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
-  return t;
-}
-
 Trajectory read_reference(const std::string& file) {
   static constexpr std::array<const char*, 8> kColumns = {"t", "px", "py", "pz", "qx", "qy", "qz", "qw"};
   const CsvTable table = read_csv(file);
@@ -46,12 +31,12 @@ Trajectory read_reference(const std::string& file) {
     std::array<double, kColumns.size()> v{};
     for (std::size_t c = 1; c < columns.size(); ++c) {
       const std::string& cell = table.rows[row][columns.at(c)];
-      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), v.at(c));
-      if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(v.at(c)))
-        refuse(table, row, kColumns.at(c), cell);
+      const auto value = parse_number(cell);
+      if (!value) refuse(table, row, kColumns.at(c), cell);
+      v.at(c) = *value;
     }
     const std::string& time = table.rows[row][columns.at(0)];
-    const auto t = exact_time(time);
+    const auto t = parse_time(time, 9);
     if (!t) refuse(table, row, "t", time);
     const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
     if (!(q.norm() > 0.5 && q.norm() < 2)) refuse(table, row, "quaternion", fmt::format("{:g}", q.norm()));
@@ -70,7 +55,10 @@ void InsertAtReference::describe(config::Binder& b, Params& p) {
 
 InsertAtReference::InsertAtReference(const Params& params, const BuildContext& context)
     : file_(params.file), waiting_({}, context) {
-  if (!file_.empty()) reference_ = read_reference(file_);
+  if (file_.empty()) return;
+  reference_ = read_reference(file_);
+  context.log->warn("insertion 'at_reference': {} places the points of the map, so this run is no result of a method",
+                    file_);
 }
 
 void InsertAtReference::place(const Window& window, const Update& update) {

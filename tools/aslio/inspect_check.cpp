@@ -27,7 +27,8 @@ namespace {
 std::vector<experiment::PublishedExtrinsic> published(const std::vector<std::string>& files, const Stages& stages) {
   std::vector<experiment::PublishedExtrinsic> out;
   for (const std::string& file : files) {
-    const auto sensor = config::load<io::SensorConfig>(file, config::FileKind::sensor, stages.catalog);
+    const auto sensor = io::load_sensor(file, stages.catalog);
+    if (!sensor.value.placeholder_warning.empty()) tell("warning: " + sensor.value.placeholder_warning);
     out.push_back({file, sensor.value.model.T_imu_lidar});
   }
   return out;

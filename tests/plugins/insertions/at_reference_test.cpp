@@ -72,6 +72,7 @@ TEST_CASE("at_reference: a wall that the drifting filter sees stays where it was
   }
   insertion.finish(map);
   REQUIRE(map.given.size() == 30);
+  CHECK_THAT(environment.logged(), Catch::Contains("truth.csv") && Catch::Contains("no result of a method"));
   for (const WorldPoint& point : map.given) CHECK((point.p_W - T_W_R * corner_R).norm() < 1e-6);
 }
 

@@ -1,10 +1,13 @@
 #pragma once
 /// A short recording of a bare room, made anew for each test.
 
+#include <catch2/catch.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "aslio/io/rosbag/messages.hpp"
+#include "aslio/io/rosbag/reader.hpp"
 #include "aslio/simulator/record.hpp"
 #include "simulator/box_room.hpp"
 
@@ -39,5 +42,31 @@ struct Recorded {
     return load_scene(folder.write("quick.yaml", quick_scene(more)));
   }
 };
+
+struct Stamps {
+  std::vector<TimeNs> arrival, stamp;
+};
+
+/// Arrival and header times of the messages of one topic.
+inline Stamps stamps(const Recorded& recorded, const std::string& topic) {
+  io::rosbag::BagReader bag(recorded / "quick.bag");
+  Stamps all;
+  io::rosbag::BagMessage message;
+  TimeNs last = 0;
+  while (bag.next(message)) {
+    CHECK(message.time >= last);
+    last = message.time;
+    if (bag.connections().at(message.connection).topic != topic) continue;
+    // std_msgs/Header: seq, seconds, nanoseconds.
+    const auto word = [&](std::size_t at) {
+      std::uint32_t value = 0;
+      for (std::size_t k = 4; k-- > 0;) value = value << 8U | message.bytes[at + k];
+      return static_cast<TimeNs>(value);
+    };
+    all.arrival.push_back(message.time);
+    all.stamp.push_back(word(4) * kSecond + word(8));
+  }
+  return all;
+}
 
 }  // namespace aslio::simulator::test

@@ -3,41 +3,15 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "aslio/io/rosbag/messages.hpp"
-#include "aslio/io/rosbag/reader.hpp"
 #include "recorded.hpp"
 
 using namespace aslio;
 using namespace aslio::simulator;
 using simulator::test::Recorded;
+using simulator::test::Stamps;
+using simulator::test::stamps;
 
 namespace {
-
-struct Stamps {
-  std::vector<TimeNs> arrival, stamp;
-};
-
-/// Arrival and header times of the messages of one topic.
-Stamps stamps(const Recorded& recorded, const std::string& topic) {
-  io::rosbag::BagReader bag(recorded / "quick.bag");
-  Stamps all;
-  io::rosbag::BagMessage message;
-  TimeNs last = 0;
-  while (bag.next(message)) {
-    CHECK(message.time >= last);
-    last = message.time;
-    if (bag.connections().at(message.connection).topic != topic) continue;
-    // std_msgs/Header: seq, seconds, nanoseconds.
-    const auto word = [&](std::size_t at) {
-      std::uint32_t value = 0;
-      for (std::size_t k = 4; k-- > 0;) value = value << 8U | message.bytes[at + k];
-      return static_cast<TimeNs>(value);
-    };
-    all.arrival.push_back(message.time);
-    all.stamp.push_back(word(4) * kSecond + word(8));
-  }
-  return all;
-}
 
 const std::string kImuTopic = "/livox/imu", kLidarTopic = "/livox/lidar";
 

@@ -10,7 +10,6 @@
 namespace aslio::simulator {
 namespace {
 
-constexpr double kWarmUpTime = 300;  ///< [s]
 /// Temperature coefficients of the offsets of a BMI088 (data sheet: 0.015 deg/s/K, 0.2 mg/K), as bounds.
 constexpr double kGyroPerKelvin = 0.015 * kRadPerDeg, kAccPerKelvin = 0.2e-3 * kStandardGravity;
 constexpr int kFilterSteps = 16;

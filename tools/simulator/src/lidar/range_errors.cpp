@@ -10,7 +10,6 @@
 namespace aslio::simulator {
 namespace {
 
-constexpr double kWarmUpTime = 300;                                        ///< [s]
 constexpr double kNearRange = 2;                                           ///< distortion below this range [m]
 constexpr double kLongestIncidence = 0.2;                                  ///< [m]
 constexpr double kIncidenceRange = 10, kIncidenceAngle = 80 * kRadPerDeg;  ///< where `incidence` is given [m], [rad]

@@ -49,10 +49,6 @@ Realism chosen(const RealismParams& params) {
   return r;
 }
 
-void override_with(const std::optional<double>& value, double unit, double& out) {
-  if (value) out = *value * unit;
-}
-
 }  // namespace
 
 void RealismParams::Mount::describe(config::Binder& b, Mount& p) {
@@ -132,28 +128,28 @@ void RealismParams::describe(config::Binder& b, RealismParams& params) {
 
 Realism realism(const RealismParams& p) {
   Realism r = chosen(p);
-  override_with(p.mount.angle, 1, r.mount.angle);
-  override_with(p.mount.offset, 1, r.mount.offset);
-  override_with(p.clock.drift, 1, r.clock.drift);
-  override_with(p.clock.jitter, 1, r.clock.jitter);
-  override_with(p.ranging.offset, 1, r.ranging.offset);
-  override_with(p.ranging.line, 1, r.ranging.line);
-  override_with(p.ranging.incidence, 1, r.ranging.incidence);
-  override_with(p.ranging.reflectivity, 1, r.ranging.reflectivity);
-  override_with(p.ranging.near, 1, r.ranging.near);
-  override_with(p.ranging.warm_up, 1, r.ranging.warm_up);
-  override_with(p.ranging.noise_growth, 1, r.ranging.noise_growth);
-  override_with(p.footprint, 1, r.footprint);
-  override_with(p.surface.unevenness, 1, r.surface.unevenness);
-  override_with(p.surface.relief, 1, r.surface.relief);
-  override_with(p.glass, 1, r.glass);
-  override_with(p.gait.heel, 1, r.gait.heel);
-  override_with(p.gait.sway, 1, r.gait.sway);
-  override_with(p.gait.tremor, 1, r.gait.tremor);
-  override_with(p.gait.turns, 1, r.gait.turns);
-  override_with(p.imu.filter, 1, r.imu.filter);
-  override_with(p.imu.temperature, 1, r.imu.temperature);
-  override_with(p.imu.vibration, 1, r.imu.vibration);
+  r.mount.angle = p.mount.angle.value_or(r.mount.angle);
+  r.mount.offset = p.mount.offset.value_or(r.mount.offset);
+  r.clock.drift = p.clock.drift.value_or(r.clock.drift);
+  r.clock.jitter = p.clock.jitter.value_or(r.clock.jitter);
+  r.ranging.offset = p.ranging.offset.value_or(r.ranging.offset);
+  r.ranging.line = p.ranging.line.value_or(r.ranging.line);
+  r.ranging.incidence = p.ranging.incidence.value_or(r.ranging.incidence);
+  r.ranging.reflectivity = p.ranging.reflectivity.value_or(r.ranging.reflectivity);
+  r.ranging.near = p.ranging.near.value_or(r.ranging.near);
+  r.ranging.warm_up = p.ranging.warm_up.value_or(r.ranging.warm_up);
+  r.ranging.noise_growth = p.ranging.noise_growth.value_or(r.ranging.noise_growth);
+  r.footprint = p.footprint.value_or(r.footprint);
+  r.surface.unevenness = p.surface.unevenness.value_or(r.surface.unevenness);
+  r.surface.relief = p.surface.relief.value_or(r.surface.relief);
+  r.glass = p.glass.value_or(r.glass);
+  r.gait.heel = p.gait.heel.value_or(r.gait.heel);
+  r.gait.sway = p.gait.sway.value_or(r.gait.sway);
+  r.gait.tremor = p.gait.tremor.value_or(r.gait.tremor);
+  r.gait.turns = p.gait.turns.value_or(r.gait.turns);
+  r.imu.filter = p.imu.filter.value_or(r.imu.filter);
+  r.imu.temperature = p.imu.temperature.value_or(r.imu.temperature);
+  r.imu.vibration = p.imu.vibration.value_or(r.imu.vibration);
   return r;
 }
 

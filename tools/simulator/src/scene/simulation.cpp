@@ -95,24 +95,25 @@ SensorModel true_sensor(SensorKind kind, const LidarParams& lidar, const ImuMode
   return sensor;
 }
 
-SensorModel with_errors(SensorModel sensor, const StressParams& stress, std::uint64_t seed) {
-  RandomStream stream(seed, purpose::kExtrinsicError);
-  const Vec3 axis = random_direction(stream), offset = random_direction(stream);
-  const double angle = stress.extrinsic_angle * std::numbers::pi / 180;
+/// The extrinsic turned about an axis [rad] and moved [m].
+void displace(SensorModel& sensor, const Vec3& axis, double angle, const Vec3& shift) {
   if (angle > 0) sensor.T_imu_lidar.R = Eigen::AngleAxisd(angle, axis).toRotationMatrix() * sensor.T_imu_lidar.R;
-  sensor.T_imu_lidar.p += stress.extrinsic_offset * offset;
-  return sensor;
+  sensor.T_imu_lidar.p += shift;
+}
+
+void add_errors(SensorModel& sensor, const StressParams& stress, std::uint64_t seed) {
+  RandomStream stream(seed, purpose::kExtrinsicError);
+  const Vec3 axis = random_direction(stream), direction = random_direction(stream);
+  displace(sensor, axis, stress.extrinsic_angle * std::numbers::pi / 180, stress.extrinsic_offset * direction);
 }
 
 /// A mount that is measured as well as one can: part of each bound at least.
-SensorModel with_mount(SensorModel sensor, const MountRealism& mount, std::uint64_t seed) {
+void add_mount_error(SensorModel& sensor, const MountRealism& mount, std::uint64_t seed) {
   constexpr double kLeastAngle = 0.2, kLeastOffset = 0.3;
   RandomStream stream(seed, purpose::kMountRealism);
-  const Vec3 axis = random_direction(stream), offset = random_direction(stream);
+  const Vec3 axis = random_direction(stream), direction = random_direction(stream);
   const double angle = mount.angle * kRadPerDeg * stream.uniform(kLeastAngle, 1);
-  if (angle > 0) sensor.T_imu_lidar.R = Eigen::AngleAxisd(angle, axis).toRotationMatrix() * sensor.T_imu_lidar.R;
-  sensor.T_imu_lidar.p += mount.offset * stream.uniform(kLeastOffset, 1) * offset;
-  return sensor;
+  displace(sensor, axis, angle, mount.offset * stream.uniform(kLeastOffset, 1) * direction);
 }
 
 }  // namespace
@@ -187,10 +188,10 @@ void Simulation::build(const SceneFile& file) {
   pattern_ = make_scan_pattern(kind_, scene_.lidar.columns);
   const ImuModel model = with_realism(imu_model(scene_.imu), realism_.imu, facts(kind_).motor);
   sensor_ = true_sensor(kind_, scene_.lidar, model, options_.T_imu_lidar);
-  claimed_sensor_ = with_errors(sensor_, scene_.stress, options_.seed);
+  claimed_sensor_ = sensor_;
+  add_errors(claimed_sensor_, scene_.stress, options_.seed);
   // A recording in another's layout has its sensor file: there it is the mount that is wrong.
-  SensorModel& off = options_.T_imu_lidar ? sensor_ : claimed_sensor_;
-  off = with_mount(off, realism_.mount, options_.seed);
+  add_mount_error(options_.T_imu_lidar ? sensor_ : claimed_sensor_, realism_.mount, options_.seed);
   roughness_ = std::make_unique<Roughness>(realism_.surface, world_seed(scene_.world));
   duration_ = std::min(motion_->duration(), options_.duration.value_or(motion_->duration()));
   const double samples = duration_ * std::max(model.rate, kTruthRate);

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "aslio/core/time.hpp"
+#include "aslio/core/parse.hpp"
 #include "aslio/io/reference.hpp"
 
 namespace aslio::io {
@@ -17,9 +17,6 @@ const char* name(TimeUnit unit);
 /// A decimal number in `unit` to ns, rounded to nearest, without passing through a double. Nothing when it is none, or
 /// beyond kFarthestTime.
 std::optional<TimeNs> parse_time(std::string_view text, TimeUnit unit);
-
-/// A finite number; nothing when the text is none.
-std::optional<double> parse_number(std::string_view text);
 
 /// What unit the stamps of a file are in, and how that was found.
 struct UnitVerdict {

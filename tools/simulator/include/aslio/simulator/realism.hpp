@@ -14,6 +14,9 @@ class Binder;
 
 namespace aslio::simulator {
 
+/// Time constant with which a sensor warms from switching on, in ranges and in biases [s].
+inline constexpr double kWarmUpTime = 300;
+
 enum class RealismPreset : std::uint8_t {
   none,       ///< nothing beyond the other keys of the scene
   realistic,  ///< every part of `parts`, with values of the literature (docs/simulator.md)
