@@ -14,11 +14,11 @@ import sys
 from numerics import np
 
 import study_folder
+from pairs import log_ratio, students_t
 from report import markdown_table
 
 MARGIN = (0.9, 1.1)
 CONFIDENCE = 0.90
-LOST = math.log(2)
 
 
 def log_ratios(study, arm, baseline, metric, suffix):
@@ -31,31 +31,12 @@ def log_ratios(study, arm, baseline, metric, suffix):
         other = values[arm, data][1]
         if base is None or other is None or base <= 0 or other <= 0:
             raise study_folder.FolderError(f"{study.folder}: {data}: no figure {metric} of {arm} and {baseline}")
-        if math.isinf(base) and math.isinf(other):
+        ratio = log_ratio(other, base)
+        if ratio is None:
             both_lost += 1
-        elif math.isinf(base):
-            kinds[sequence].append(-LOST)
-        elif math.isinf(other):
-            kinds[sequence].append(LOST)
         else:
-            kinds[sequence].append(math.log(other / base))
+            kinds[sequence].append(ratio)
     return kinds, both_lost
-
-
-def students_t(share, degrees):
-    """Quantile of Student's t distribution, share above 0.5: by bisection of the integral of its density."""
-    scale = math.exp(math.lgamma((degrees + 1) / 2) - math.lgamma(degrees / 2)) / math.sqrt(degrees * math.pi)
-
-    def below(x):
-        t = np.linspace(0, x, 4001)
-        density = scale * (1 + t * t / degrees) ** (-(degrees + 1) / 2)
-        return 0.5 + x / 12000 * (density[0] + 4 * density[1::2].sum() + 2 * density[2:-1:2].sum() + density[-1])
-
-    low, high = 0.0, 100.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if below(middle) < share else (low, middle)
-    return (low + high) / 2
 
 
 def interval(kinds):

@@ -7,6 +7,8 @@ import dataclasses
 import math
 import statistics
 
+from numerics import np
+
 LEAST_PAIRS = 6  # with five pairs the smallest two-sided p is 0.0625
 
 
@@ -40,3 +42,31 @@ def sign_test(tally):
     if n == 0:
         return 1.0
     return min(1.0, 2 * sum(math.comb(n, i) for i in range(k + 1)) / 2**n)
+
+
+LOST = math.log(2)
+
+
+def log_ratio(error, base):
+    """Of two errors above 0. A lost run counts as twice the error of the other; None where both are lost."""
+    if math.isinf(error) and math.isinf(base):
+        return None
+    if math.isinf(error):
+        return LOST
+    return -LOST if math.isinf(base) else math.log(error / base)
+
+
+def students_t(share, degrees):
+    """Quantile of Student's t distribution, share above 0.5: by bisection of the integral of its density."""
+    scale = math.exp(math.lgamma((degrees + 1) / 2) - math.lgamma(degrees / 2)) / math.sqrt(degrees * math.pi)
+
+    def below(x):
+        t = np.linspace(0, x, 4001)
+        density = scale * (1 + t * t / degrees) ** (-(degrees + 1) / 2)
+        return 0.5 + x / 12000 * (density[0] + 4 * density[1::2].sum() + 2 * density[2:-1:2].sum() + density[-1])
+
+    low, high = 0.0, 100.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if below(middle) < share else (low, middle)
+    return (low + high) / 2

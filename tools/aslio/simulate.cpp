@@ -202,10 +202,8 @@ int simulate(const SimulateArguments& a) {
 }
 
 std::vector<std::string> sensor_names() {
-  using simulator::SensorKind;
   std::vector<std::string> names;
-  for (const SensorKind kind : {SensorKind::avia, SensorKind::mid360, SensorKind::spin16, SensorKind::spin32,
-                                SensorKind::spin64, SensorKind::vlp16}) {
+  for (const simulator::SensorKind kind : simulator::kSensorKinds) {
     names.emplace_back(simulator::facts(kind).name);
   }
   return names;

@@ -38,7 +38,9 @@ SensorKind sensor_for(const experiment::StandIn& stand_in) {
   }
 }
 
-bool spins(SensorKind kind) { return kind != SensorKind::avia && kind != SensorKind::mid360; }
+bool spins(SensorKind kind) {
+  return kind != SensorKind::avia && kind != SensorKind::mid360 && kind != SensorKind::mid40;
+}
 
 /// IMU, ranges and columns of the sensor file, as keys of a scene.
 std::vector<std::string> scene_keys(const experiment::StandIn& stand_in, SensorKind kind) {

@@ -15,8 +15,8 @@ using namespace aslio::simulator;
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
-constexpr SensorKind kKinds[] = {SensorKind::avia, SensorKind::mid360, SensorKind::spin16, SensorKind::spin32,
-                                 SensorKind::spin64};
+constexpr SensorKind kKinds[] = {SensorKind::avia,   SensorKind::mid360, SensorKind::spin16,
+                                 SensorKind::spin32, SensorKind::spin64, SensorKind::mid40};
 constexpr SensorKind kSpinning[] = {SensorKind::spin16, SensorKind::spin32, SensorKind::spin64};
 
 double azimuth(const Beam& beam) { return std::atan2(beam.direction.y(), beam.direction.x()) / kDeg; }
@@ -144,6 +144,31 @@ TEST_CASE("the Mid-360 sees all round over 59 deg with 200 000 points per second
   }
   CHECK(before > 95);
   CHECK(mid360_coverage(100 * kSecond, 0.2) == Approx(mid360_coverage(0, 0.2)).margin(5));
+}
+
+TEST_CASE("the Mid-40 fires one beam 100 000 times per second over a round view of 38.4 deg, ever denser") {
+  const auto pattern = make_scan_pattern(SensorKind::mid40);
+  CHECK(pattern->message() == LidarMessage::livox_custom);
+  REQUIRE(pattern->beams_per_firing() == 1);
+  CHECK(kSecond / pattern->firing_period() == 100'000);
+  const auto in_view = [](double a, double e) { return std::hypot(a, e) <= 19.2; };
+  double before = 0;
+  for (const double duration : {0.05, 0.1, 0.2, 0.5, 1.0}) {
+    Cells cells(0.5, 20, -20, 20);
+    fire_all(*pattern, 0, duration, cells);
+    const double found = cells.share(in_view);
+    WARN("Mid-40, " << duration << " s: " << found << " % of cells of half a degree");
+    CHECK(found > before);
+    before = found;
+  }
+  CHECK(before > 90);
+  std::vector<Beam> beam(1);
+  double widest = 0;
+  for (TimeNs t = 0; t < 10 * kSecond; t += pattern->firing_period()) {
+    pattern->fire(t, beam);
+    widest = std::max(widest, std::hypot(azimuth(beam[0]), elevation(beam[0])));
+  }
+  CHECK(widest == Approx(19.2).margin(0.05));
 }
 
 TEST_CASE("rings of the spinning sensors lie at their elevations and turn ten times per second, clockwise") {

@@ -53,6 +53,21 @@ class Avia final : public ScanPattern {
   std::array<SineCosine, avia::kLines> offsets_;
 };
 
+/// A Livox Mid-40: one beam through two prisms that turn as those of the Avia, in a round field of view of 38.4 deg.
+class Mid40 final : public ScanPattern {
+ public:
+  std::size_t beams_per_firing() const override { return 1; }
+  TimeNs firing_period() const override { return 10'000; }  // 100 000 points per second
+  LidarMessage message() const override { return LidarMessage::livox_custom; }
+  void fire(TimeNs since, std::span<Beam> out) const override {
+    constexpr double reach = 38.4 / 4 * kRadPerDeg;  // of each prism: a quarter of the field of view
+    const double t = to_seconds(since);
+    const SineCosine first = sine_cosine(avia::kPrism1 * t), second = sine_cosine(avia::kPrism2 * t);
+    out[0] =
+        beam_at(sine_cosine(reach * (first.cosine + second.cosine)), sine_cosine(reach * (first.sine + second.sine)));
+  }
+};
+
 /// A model of the Livox Mid-360, whose pattern is not published: a mirror turns at about 10 rev/s and nods at about
 /// 400 Hz through 59 deg; four lines a quarter of a nod apart. The two rates have no small common multiple, so that the
 /// pattern does not repeat for a thousand seconds.
@@ -155,6 +170,8 @@ std::unique_ptr<ScanPattern> make_scan_pattern(SensorKind kind, std::int64_t col
       return std::make_unique<Spinning>(64, -24.8, 2.0, columns);
     case SensorKind::vlp16:
       return std::make_unique<Vlp16>();
+    case SensorKind::mid40:
+      return std::make_unique<Mid40>();
     default:
       return std::make_unique<Avia>();
   }

@@ -37,6 +37,17 @@ SensorFacts livox_mid360() {
   return f;
 }
 
+/// It has no IMU of its own: the place of the IMU is this project's choice, as with spinning sensors.
+SensorFacts livox_mid40() {
+  SensorFacts f = livox_avia();
+  f.name = "mid40";
+  f.p_imu_lidar = Vec3(0, 0, 0.1);
+  f.min_range = 1;
+  f.max_range = 260;
+  f.angle_noise = 0.05 * kRadPerDeg;
+  return f;
+}
+
 SensorFacts spinning(std::string_view name, double max_range) {
   SensorFacts f;
   f.name = name;
@@ -57,7 +68,7 @@ SensorFacts spinning(std::string_view name, double max_range) {
 }  // namespace
 
 const SensorFacts& facts(SensorKind kind) {
-  static const SensorFacts avia = livox_avia(), mid360 = livox_mid360();
+  static const SensorFacts avia = livox_avia(), mid360 = livox_mid360(), mid40 = livox_mid40();
   static const SensorFacts spin16 = spinning("spin16", 100), spin32 = spinning("spin32", 100);
   static const SensorFacts spin64 = spinning("spin64", 120), vlp16 = spinning("vlp16", 100);
   switch (kind) {
@@ -71,6 +82,8 @@ const SensorFacts& facts(SensorKind kind) {
       return spin64;
     case SensorKind::vlp16:
       return vlp16;
+    case SensorKind::mid40:
+      return mid40;
     default:
       return avia;
   }

@@ -163,7 +163,8 @@ void Scene::describe(config::Binder& b, Scene& scene) {
             {"spin16", SensorKind::spin16},
             {"spin32", SensorKind::spin32},
             {"spin64", SensorKind::spin64},
-            {"vlp16", SensorKind::vlp16}},
+            {"vlp16", SensorKind::vlp16},
+            {"mid40", SensorKind::mid40}},
            "the LiDAR");
   b.group("world", scene.world, "what does not move");
   b.choice("motion", scene.motion, {{"walk", MotionKind::walk}, {"drive", MotionKind::drive}},
@@ -208,8 +209,7 @@ SceneFile with_overrides(const SceneFile& scene, const std::vector<std::string>&
 }
 
 std::optional<SensorKind> sensor_kind(std::string_view name) {
-  for (const SensorKind kind : {SensorKind::avia, SensorKind::mid360, SensorKind::spin16, SensorKind::spin32,
-                                SensorKind::spin64, SensorKind::vlp16})
+  for (const SensorKind kind : kSensorKinds)
     if (facts(kind).name == name) return kind;
   return std::nullopt;
 }

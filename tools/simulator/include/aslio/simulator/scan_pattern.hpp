@@ -1,6 +1,7 @@
 #pragma once
 /// When and where to a LiDAR fires.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -18,7 +19,9 @@ struct Beam {
   double height = 0;  ///< of its origin above that of the LiDAR frame [m]
 };
 
-enum class SensorKind : std::uint8_t { avia, mid360, spin16, spin32, spin64, vlp16 };
+enum class SensorKind : std::uint8_t { avia, mid360, spin16, spin32, spin64, vlp16, mid40 };
+inline constexpr std::array kSensorKinds{SensorKind::avia,   SensorKind::mid360, SensorKind::spin16, SensorKind::spin32,
+                                         SensorKind::spin64, SensorKind::vlp16,  SensorKind::mid40};
 enum class LidarMessage : std::uint8_t { livox_custom, point_cloud2 };
 
 /// Beams leave in firings of equal size and period; the beams of a firing share its time.
