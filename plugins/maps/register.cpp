@@ -2,6 +2,7 @@
 #include "maps/feature_maps.hpp"
 #include "maps/ikd_tree.hpp"
 #include "maps/ivox.hpp"
+#include "maps/recursive_planes.hpp"
 #include "maps/staggered_planes.hpp"
 #include "maps/voxel_hash.hpp"
 #include "maps/voxel_plane.hpp"
@@ -14,6 +15,8 @@ void register_maps(plugin::Registry<Map>& registry) {
   registry.add<StaggeredPlanes>("staggered_planes",
                                 "Planes of all points in several pyramids of voxels, staggered against each other.");
   registry.add<VoxelPlane>("voxel_plane", "Planes of all points in a pyramid of voxels (VoxelMap).");
+  registry.add<RecursivePlanes>("recursive_planes",
+                                "Planes found among the points of a voxel, the rest handed on (R-VoxelMap).");
   registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
   registry.add<IkdTree>("ikd_tree", "Exact neighbours from an incremental k-d tree, thinned to one point per cell.");
   registry.add<FeatureMaps>("feature_maps", "Two maps of points, one of lines and one of planes (LOAM).");
