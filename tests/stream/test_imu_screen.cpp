@@ -207,6 +207,59 @@ TEST_CASE("screen: the end of a range that is not declared is found where an ext
   CHECK(acc.warnings.size() == 2);
 }
 
+TEST_CASE("screen: the end of a range is found at the jolts of steps, which meet it for one to four samples each") {
+  for (const int length : {1, 2, 4}) {
+    for (const double sign : {1.0, -1.0}) {
+      CAPTURE(length, sign);
+      auto recording = walk(9, 2000);
+      const auto original = recording;
+      std::mt19937_64 random(3);
+      std::vector<std::size_t> beyond;
+      for (std::size_t step = 200; step + 10 < recording.size(); step += 74) {
+        const double peak = 1e-3 * static_cast<double>(pick(random, 40'000, 60'000));
+        for (int i = 0; i < length; ++i) {
+          const std::size_t at = step + static_cast<std::size_t>(i);
+          recording[at].acc.z() = sign * std::min(peak, 3 * kG);
+          beyond.push_back(at);
+        }
+        recording[step - 2].acc.z() = sign * 20.0;  // on the way up, at times nearly there, and down
+        recording[step - 1].acc.z() = sign * (step % 4 == 0 ? 29.0 : 24.0);
+        recording[step + static_cast<std::size_t>(length)].acc.z() = sign * 15.5;
+      }
+      const Screened out = screened(recording);
+      REQUIRE(out.samples.size() == recording.size());
+      std::size_t marked = 0;
+      for (std::size_t i = 0; i < recording.size(); ++i) {
+        const bool clipped = (out.samples[i].faults & imu_fault::acc_clipped) != 0;
+        marked += clipped ? 1 : 0;
+        if (clipped) REQUIRE(std::abs(recording[i].acc.z()) == 3 * kG);
+      }
+      CHECK(marked + 4 >= beyond.size());  // those of the first jolts may have passed
+      CHECK_THAT(out.warnings.at(0), Contains("accelerometer") && Contains("`acc_range: 29.42"));
+    }
+  }
+}
+
+TEST_CASE("screen: peaks that differ, readings in coarse steps, and smooth turns have no end of a range") {
+  auto recording = walk(10, 40000);
+  std::mt19937_64 random(4);
+  SECTION("jolts of different heights") {
+    for (std::size_t step = 200; step < recording.size(); step += 74)
+      recording[step].acc.z() = 1e-3 * static_cast<double>(pick(random, 16'000, 40'000));
+  }
+  SECTION("jolts that are read in steps of 0.05 m/s^2") {
+    for (std::size_t step = 200; step < recording.size(); step += 74)
+      recording[step].acc.z() = 16 + 0.05 * static_cast<double>(pick(random, 0, 480));
+  }
+  SECTION("turns that are read in steps of 0.02 rad/s") {
+    for (ImuSample& s : recording) s.gyro = (s.gyro / 0.02).array().round() * 0.02;
+  }
+  const Screened out = screened(recording);
+  CHECK(out.warnings.empty());
+  CHECK(out.findings.acc_clipped == 0);
+  CHECK(out.findings.gyro_clipped == 0);
+}
+
 TEST_CASE("screen: a larger reading later voids an end that was found") {
   auto recording = changed(walk(12, 2000), 100, 12, [](ImuSample& s) { s.gyro.x() = 2.9; });
   for (std::size_t i = 400; i < 420; ++i) recording[i].gyro.x() = 3 + 0.01 * static_cast<double>(i);

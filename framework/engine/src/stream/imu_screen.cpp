@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace aslio::stream {
 namespace {
@@ -25,6 +26,11 @@ constexpr double kAtEnd = 0.99, kAtFoundEnd = 0.999, kBeyondEnd = 1.01;
 constexpr int kPlateau = 7;  // times: fewer happen by chance, at the peak of a turn that is read in coarse steps
 constexpr double kExtremeGyro = 1.0, kExtremeAcc = 15.0;  // [rad/s], [m/s^2]
 constexpr int kOthersVary = 3;
+/// The jolts of steps are clipped for a few samples each. A largest reading after a step, or after the one before it,
+/// that is as steep as this [rad/s], [m/s^2] is on the way to a peak beyond it; exactly the same one so many times is
+/// an end.
+constexpr double kSteepGyro = 0.5, kSteepAcc = 3.0;
+constexpr int kSteepHits = 4;
 /// What all axes of a sensor repeat for so long is stuck.
 constexpr TimeNs kStuck = kSecond / 5;
 constexpr int kStuckRepeats = 5;
@@ -168,6 +174,27 @@ void ImuRepeats::note_extremes(const ImuSample& sample) {
   }
 }
 
+/// Finds the end of a range at peaks that are too short to repeat it often.
+void ImuRepeats::note_steep_ends(const ImuSample& sample) {
+  for (int axis = 0; axis < 6; ++axis) {
+    const auto k = static_cast<std::size_t>(axis / 3);
+    bool& at_end = at_end_[static_cast<std::size_t>(axis)];
+    if ((k == 0 ? declared_.gyro : declared_.acc) > 0 || limit_[k] > 0) continue;
+    const double size = std::abs(reading(sample, axis));
+    const double step = std::abs(reading(sample, axis) - reading(*last_, axis));
+    const double steepest = std::max(step, std::exchange(last_step_[static_cast<std::size_t>(axis)], step));
+    const bool extreme =
+        size >= (k == 0 ? kExtremeGyro : kExtremeAcc) && size >= largest_[k] && size > kBeyondEnd * never_[k];
+    at_end = extreme && (steepest >= (k == 0 ? kSteepGyro : kSteepAcc) || (at_end && step == 0));
+    if (!at_end) continue;
+    if (size != end_[k]) {
+      end_[k] = size;
+      end_hits_[k] = 0;
+    }
+    if (++end_hits_[k] >= kSteepHits) limit_[k] = size;
+  }
+}
+
 /// Whether an axis repeats an extreme reading while others vary.
 bool ImuRepeats::is_plateau(int axis, const ImuSample& sample, std::span<const bool> changed) const {
   const auto k = static_cast<std::size_t>(axis / 3);
@@ -264,6 +291,7 @@ void ImuRepeats::push(const ImuSample& sample, std::vector<ImuSample>& out) {
   note_extremes(sample);
   bool wait = false;
   if (last_ && own.faults == 0) {
+    note_steep_ends(sample);
     wait = doubts_axes(sample);
     for (int sensor = 0; sensor < 2; ++sensor) wait = doubts_sensor(sensor, sample) || wait;
     ++changed_count_;

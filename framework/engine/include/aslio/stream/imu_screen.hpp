@@ -60,8 +60,9 @@ class ImuSpikes {
 };
 
 /// Marks readings at the end of a sensor's range, and a sensor that repeats what it read. Where the range is not
-/// declared it is found: an extreme reading that an axis repeats exactly while others vary. Holds back readings that
-/// are repeated, up to 0.2 s, until it is known whether it means anything.
+/// declared it is found: an extreme reading that an axis repeats exactly while others vary, or that steep peaks, as
+/// those of steps, meet exactly again and again. Holds back readings that are repeated, up to 0.2 s, until it is known
+/// whether it means anything.
 class ImuRepeats {
  public:
   explicit ImuRepeats(const ImuRange& declared) : declared_(declared) {}
@@ -88,6 +89,7 @@ class ImuRepeats {
 
   double limit(int sensor) const;
   void note_extremes(const ImuSample& sample);
+  void note_steep_ends(const ImuSample& sample);
   bool is_plateau(int axis, const ImuSample& sample, std::span<const bool> changed) const;
   bool varies(std::size_t what, std::ptrdiff_t percent) const;
   void mark_clipped(ImuSample& sample) const;
@@ -97,10 +99,14 @@ class ImuRepeats {
   bool doubts_sensor(int sensor, const ImuSample& sample);
 
   ImuRange declared_;
-  std::array<double, 2> limit_{};    ///< as found, of gyro and accelerometer; 0: not
-  std::array<double, 2> never_{};    ///< up to here it was found, and larger readings came
-  std::array<double, 2> largest_{};  ///< reading of any axis
-  std::optional<ImuSample> last_;    ///< the newest that was pushed
+  std::array<double, 2> limit_{};      ///< as found, of gyro and accelerometer; 0: not
+  std::array<double, 2> never_{};      ///< up to here it was found, and larger readings came
+  std::array<double, 2> largest_{};    ///< reading of any axis
+  std::array<double, 2> end_{};        ///< the largest reading that a steep step met
+  std::array<int, 2> end_hits_{};      ///< readings of exactly that size
+  std::array<bool, 6> at_end_{};       ///< whether the last reading of an axis was one of them
+  std::array<double, 6> last_step_{};  ///< of an axis, from the reading before, its size
+  std::optional<ImuSample> last_;      ///< the newest that was pushed
   std::vector<ImuSample> held_;
   std::array<Run, 6> axis_run_{};   ///< of a reading of one axis
   std::array<Run, 2> stuck_run_{};  ///< of all axes of a sensor
