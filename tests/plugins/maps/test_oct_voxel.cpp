@@ -72,7 +72,7 @@ std::vector<WorldPoint> cloud(Uniform& uniform, const Vec3& centre, double half,
 
 std::size_t count_at(const Map& map, const Vec3& query, std::uint32_t max_stamp) {
   Neighbours found;
-  map.correspond(std::vector<Vec3>{query}, {.k = 5, .max_distance = 0.2, .max_stamp = max_stamp}, found);
+  map.correspond(std::vector<Vec3>{query}, {.k = 5, .max_distance = 0.5, .max_stamp = max_stamp}, found);
   return found.count[0];
 }
 

@@ -181,8 +181,9 @@ TEST_CASE("surfel: in a corner, where a voxel has none, cells have those of the 
   BuildEnvironment environment;
   Surfel map({}, environment.context());
   Uniform uniform(3);
-  std::vector<WorldPoint> points = sheet(uniform, 0.01, 1.49, 3000, 0.01, [](double, double) { return 0.25; });
-  for (int i = 0; i < 3000; ++i) {
+  std::vector<WorldPoint> points;
+  for (const WorldPoint& of_floor : sheet(uniform, 0.01, 1.49, 3000, 0.01, [](double, double) { return 0.25; })) {
+    points.push_back(of_floor);
     points.push_back(at(kCorner + Vec3(0.25 + uniform(-0.01, 0.01), uniform(0.01, 1.49), uniform(0.01, 1.49))));
   }
   map.insert(points, 1);
@@ -193,23 +194,41 @@ TEST_CASE("surfel: in a corner, where a voxel has none, cells have those of the 
   CHECK(!ask(map, kCorner + Vec3(0.25, 0.7, 0.25)).valid);  // the edge itself
 }
 
-TEST_CASE("surfel: one layer of cells full of clutter is none, though their means are flat; nor is a ball") {
+TEST_CASE("surfel: one layer of cells full of clutter is none, though their means are flat") {
   BuildEnvironment environment;
-  Surfel map({.first = Surfel::First::voxel, .max_points = 1000}, environment.context());
+  Surfel map({.max_points = 1000}, environment.context());
   Uniform uniform(4);
   map.insert(sheet(uniform, 0.01, 1.49, 9000, 0.2, [](double, double) { return 0.25; }), 1);
   for (int i = 0; i < 100; ++i) {
     REQUIRE(!ask(map, kCorner + Vec3(uniform(0.1, 1.4), uniform(0.1, 1.4), 0.25)).valid);
   }
-  map.clear();
-  map.insert(sheet(uniform, 0.01, 1.49, 9000, 0.0,
-                   [](double x, double y) {
-                     return std::sqrt(std::max(0.0, 1.2 - (x - 0.75) * (x - 0.75) - (y - 0.75) * (y - 0.75)));
-                   }),
-             1);
-  const Surface top = ask(map, kCorner + Vec3(0.75, 0.75, 1.09));  // one cell of it is flat enough
-  CHECK((!top.valid || std::abs(top.anchor.z() - kCorner.z() - 1.08) < 0.05));
-  CHECK(!ask(map, kCorner + Vec3(0.2, 0.2, 0.77)).valid);
+}
+
+TEST_CASE("surfel: on a ball of about the size of a voxel, cells have the tangent planes and the voxel has none") {
+  BuildEnvironment environment;
+  Surfel map({}, environment.context());
+  Uniform uniform(10);
+  const Vec3 centre = kCorner + Vec3(0.75, 0.75, 0.75);
+  constexpr double radius = 1.1;
+  std::vector<Vec3> on_ball;
+  std::vector<WorldPoint> points;
+  while (points.size() < 20000) {
+    const Vec3 p = uniform.in_box(Vec3::Zero(), 1.0);
+    if (p.norm() > 1.0 || p.norm() < 0.1) continue;
+    on_ball.push_back(centre + radius * p.normalized());
+    points.push_back(at(on_ball.back()));
+  }
+  map.insert(points, 1);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < 300; ++i) {
+    const Surface surface = ask(map, on_ball[i]);
+    if (!surface.valid) continue;
+    ++found;
+    const Vec3 radial = (on_ball[i] - centre).normalized();
+    REQUIRE(std::abs(surface.normal.dot(radial)) > std::cos(0.45));  // a cell's diagonal is 0.79 rad of the ball
+    REQUIRE(std::abs((surface.anchor - centre).norm() - radius) < 0.1);
+  }
+  CHECK(found > 200);
 }
 
 TEST_CASE("surfel: `nearby` takes that of the nearest cell beside, in the next voxel too, and of its time only") {
