@@ -21,7 +21,7 @@ namespace aslio::plugins {
 /// A query takes the surfel of its voxel or of its cell, whichever `first` names; the other one where that has none;
 /// and where neither has one, that of a cell which shares a face with its own, the nearest first (`nearby`: 6).
 ///
-/// Range: as voxel_plane. The two faces of a wall are not told apart: a thin wall seen from both sides is a thick one.
+/// Range: as voxel_plane. The two faces of a wall are not separated: a thin wall seen from both sides is a thick one.
 ///
 /// Self-matches: with max_stamp a surfel counts from the update at which it became one, and goes on taking points until
 /// its cells have `max_points`. See VoxelPlane for what that means of history points.
