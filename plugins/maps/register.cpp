@@ -2,8 +2,10 @@
 #include "maps/feature_maps.hpp"
 #include "maps/ikd_tree.hpp"
 #include "maps/ivox.hpp"
+#include "maps/oct_voxel.hpp"
 #include "maps/recursive_planes.hpp"
 #include "maps/staggered_planes.hpp"
+#include "maps/surfel.hpp"
 #include "maps/voxel_hash.hpp"
 #include "maps/voxel_plane.hpp"
 
@@ -22,6 +24,9 @@ void register_maps(plugin::Registry<Map>& registry) {
   registry.add<FeatureMaps>("feature_maps", "Two maps of points, one of lines and one of planes (LOAM).");
   registry.add<Ivox>("ivox",
                      "Neighbours from a hash of voxels and those around, the least recent forgotten (Faster-LIO).");
+  registry.add<OctVoxel>("oct_voxel",
+                         "Neighbours from a hash of voxels, each with the means of its eight octants (Super-LIO).");
+  registry.add<Surfel>("surfel", "Surfels of voxels and of the cells in them, fitted as points come in (Surfel-LIO).");
 }
 
 }  // namespace aslio::plugins

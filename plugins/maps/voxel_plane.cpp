@@ -1,12 +1,13 @@
 #include "maps/voxel_plane.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
+
+#include "maps/plane_shape.hpp"
 
 namespace aslio::plugins {
 
@@ -16,19 +17,11 @@ constexpr std::size_t kSurfacesPerChunk = 256;
 /// Points whose voxels are fetched at once: looking for one after the other is waiting for memory.
 constexpr std::size_t kBatch = CellBatch::kSize;
 constexpr std::uint32_t kNone = CellIndex::kNone;
-/// Of the variances along the two directions of a plane: a line spans none.
-constexpr double kMinSpread = 0.05;
-/// Of a direction in the plane to the thickness: a clump spans none.
-constexpr double kMinAspect = 9;
-/// The same where noise makes planes thick: in a voxel of 0.5 m, 9 is more than any plane has with 5 cm of noise.
-constexpr double kMinNoisyAspect = 2;
-/// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels: what is below it is
-/// rounding, and may be negative. Of up to kRoundingPoints; of more, it grows as fast as their square at most.
-constexpr double kRounding = 1e-6, kRoundingPoints = 500;
+/// Points up to which sums of floats err by kRounding, where they may be negative; of more, the error grows as fast as
+/// the square of their number at most.
+constexpr double kRoundingPoints = 500;
 /// Of so many points the sums err by less than what a LiDAR's noise leaves; of a million, they lose whole points.
 constexpr double kMaxPoints = 10000;
-/// Growth of the count that is worth a new fit.
-constexpr double kRefit = 1.1;
 /// Sine of the angle between view and plane below which the side it is seen from is not certain: 6 deg.
 constexpr float kGrazing = 0.1F;
 /// Distance from a plane within which a point seen along it is one of its own, in thicknesses.
@@ -36,10 +29,6 @@ constexpr float kOwn = 2;
 /// Of a unit vector, and how many of them a sum of 16 bits holds.
 constexpr float kViewSteps = 127;
 constexpr std::uint32_t kMaxViews = 256;
-
-/// Of the grid against the origin, in voxels: walls stand at round numbers, and a wall in the face between two voxels
-/// has half of its points in each.
-const Vec3 kOffset(0.137, 0.223, 0.311);
 
 /// Which of eight halves `p` lies in, about the corner `low` with the half edge `half`; moves `low` to its corner.
 std::uint32_t descend(const Eigen::Vector3f& p, float half, Eigen::Vector3f& low) {
@@ -74,8 +63,8 @@ void VoxelPlane::describe(config::Binder& b, Params& p) {
 VoxelPlane::VoxelPlane(const Params& params, const BuildContext& context, double phase)
     : params_(params),
       thickness_(params.thickness),
-      aspect_(kMinAspect),
-      offset_(kOffset + Vec3::Constant(phase)),
+      aspect_(least_aspect(1.0)),
+      offset_(kGridOffset + Vec3::Constant(phase)),
       exec_(context.exec) {}
 
 // `inline` here is for speed: these are asked for every point, and gcc makes calls of them where the linker might need
@@ -366,32 +355,27 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   Eigen::Matrix3f sums;
   sums << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
   const Mat3 covariance = sums.cast<double>() / n - mean * mean.transpose();
-  Eigen::SelfAdjointEigenSolver<Mat3> solver;
-  solver.computeDirect(covariance);
-  const Vec3& variance = solver.eigenvalues();  // ascending
   const double rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2));
-  const double thin = std::max(variance[0], rounding * params_.voxel * params_.voxel);
-  const bool planar = variance[0] < thickness_ * thickness_ && variance[1] > kMinSpread * variance[2] &&
-                      variance[1] > aspect_ * thin && solver.eigenvectors().allFinite();
-  if (planar && !node.planar) node.stamp = stamp;
-  node.planar = planar;
+  const PlaneShape shape = plane_shape(covariance, {thickness_, aspect_, rounding * params_.voxel * params_.voxel});
+  if (shape.planar && !node.planar) node.stamp = stamp;
+  node.planar = shape.planar;
   node.mean = mean.cast<float>();
-  node.normal = solver.eigenvectors().col(0).cast<float>();
+  node.normal = shape.normal.cast<float>();
   const Eigen::Vector3f view = sum_of(node.view);
   const float away = view.dot(node.normal);
   node.sided = away != 0;
   if (away > 0) node.normal = -node.normal;
-  node.along = solver.eigenvectors().col(2).cast<float>();
-  node.longest = static_cast<float>(variance[2]);
-  node.shortest = static_cast<float>(variance[1]);
-  if (planar && closed(node)) give_back(node);  // its parts will never be asked for
+  node.along = shape.along.cast<float>();
+  node.longest = static_cast<float>(shape.variance[2]);
+  node.shortest = static_cast<float>(shape.variance[1]);
+  if (shape.planar && closed(node)) give_back(node);  // its parts will never be asked for
 }
 
 /// eq. NOI-2. What was too thick before may be a plane now. What is one stays one: of a plane that was closed, the
 /// parts are gone.
 void VoxelPlane::set_noise_scale(double scale) {
   const double before = std::exchange(thickness_, params_.thickness * scale);
-  aspect_ = std::clamp(kMinAspect / (scale * scale), kMinNoisyAspect, kMinAspect);
+  aspect_ = least_aspect(scale);
   if (thickness_ <= before) return;
   for (std::uint32_t number = 0; number < roots_.size(); ++number)
     if (roots_[number].in_use) judge_again(roots_[number].node);
@@ -409,11 +393,7 @@ void VoxelPlane::judge_again(Node& node) {
 
 /// eq. MAP-2.
 inline double VoxelPlane::quality(const Node& node, const Eigen::Vector3f& p) const {
-  const Eigen::Vector3f d = p - node.mean;
-  const float across = d.dot(node.normal), along = d.dot(node.along);
-  const float rest = std::max(0.0F, d.squaredNorm() - across * across - along * along);
-  const double leverage = 1.0 + static_cast<double>(along * along / node.longest + rest / node.shortest);
-  return node.count / (node.count + params_.doubt * leverage);
+  return plane_quality(node.count, params_.doubt, p - node.mean, node.normal, node.along, node.longest, node.shortest);
 }
 
 /// The blocks below a node. One that is yet to be fitted, being below, must not give its own back again.

@@ -16,6 +16,13 @@ inline constexpr std::size_t kQueriesPerChunk = 128;
 /// Rounding of a float coordinate inside a voxel, as a share of its edge, with much to spare.
 inline constexpr double kSlack = 1e-5;
 
+/// Points as rows of their coordinates, as a Chunk has them or a voxel that holds them itself. The rows have room for a
+/// multiple of 8; slots that hold no point lie at Chunk::kFarAway.
+struct PointRows {
+  const float *x, *y, *z;              ///< [m] from the corner of the voxel
+  const std::uint32_t *stamp, *order;  ///< as in Chunk
+};
+
 /// Ascending by (squared distance, order of insertion). Everything is relative to the query [m].
 class Nearest {
  public:
@@ -26,7 +33,10 @@ class Nearest {
   int count() const { return count_; }
 
   /// Offers the first `n` points of a chunk; (qx, qy, qz) is the query relative to the corner of the voxel.
-  void scan(const Chunk& chunk, std::size_t n, float qx, float qy, float qz, std::uint32_t max_stamp);
+  void scan(const Chunk& chunk, std::size_t n, float qx, float qy, float qz, std::uint32_t max_stamp) {
+    scan(PointRows{chunk.x, chunk.y, chunk.z, chunk.stamp, chunk.order}, n, qx, qy, qz, max_stamp);
+  }
+  void scan(const PointRows& points, std::size_t n, float qx, float qy, float qz, std::uint32_t max_stamp);
   /// Offers one point with squared <= bound(); *order must outlive the query.
   void offer(float squared, const std::uint32_t* order, float x, float y, float z);
   void write(Neighbours& out, std::size_t query) const {
@@ -103,20 +113,21 @@ inline void Nearest::tighten(const float* squared, std::size_t n) {
   bound_ = std::min(bound_, least[static_cast<std::size_t>(k_ - 1)]);
 }
 
-inline void Nearest::scan(const Chunk& chunk, std::size_t n, float qx, float qy, float qz, std::uint32_t max_stamp) {
+inline void Nearest::scan(const PointRows& points, std::size_t n, float qx, float qy, float qz,
+                          std::uint32_t max_stamp) {
   const std::size_t padded = (n + kLanes - 1) / kLanes * kLanes;
   for (std::size_t begin = 0; begin < padded; begin += kTile) {
     const std::size_t size = std::min(kTile, padded - begin);
-    const float* x = chunk.x + begin;
-    const float* y = chunk.y + begin;
-    const float* z = chunk.z + begin;
+    const float* x = points.x + begin;
+    const float* y = points.y + begin;
+    const float* z = points.z + begin;
     std::array<float, kTile> squared;
     for (std::size_t i = 0; i < size; ++i) {
       const float dx = x[i] - qx, dy = y[i] - qy, dz = z[i] - qz;
       squared[i] = dx * dx + dy * dy + dz * dz;
     }
     if (max_stamp != 0xffffffff) {
-      const std::uint32_t* stamp = chunk.stamp + begin;
+      const std::uint32_t* stamp = points.stamp + begin;
       for (std::size_t i = 0; i < size; ++i) squared[i] = stamp[i] <= max_stamp ? squared[i] : HUGE_VALF;
     }
     if (count_ == 0 && k_ <= static_cast<int>(kLanes)) tighten(squared.data(), size);
@@ -130,7 +141,7 @@ inline void Nearest::scan(const Chunk& chunk, std::size_t n, float qx, float qy,
     }
     for (std::size_t h = 0; h < found; ++h) {
       const std::size_t i = hits[h];
-      if (squared[i] <= bound_) offer(squared[i], chunk.order + begin + i, x[i] - qx, y[i] - qy, z[i] - qz);
+      if (squared[i] <= bound_) offer(squared[i], points.order + begin + i, x[i] - qx, y[i] - qy, z[i] - qz);
     }
   }
 }
