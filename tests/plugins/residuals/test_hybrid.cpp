@@ -150,7 +150,7 @@ TEST_CASE("hybrid: the Jacobians are those of central differences, and matches a
   CHECK(count_matches(rows, 3, static_cast<std::size_t>(part), 0.0) == 0);  // none lies within a gate of 0
 }
 
-TEST_CASE("hybrid: gates of planes and points are their own; the kernel bends points alone") {
+TEST_CASE("hybrid: planes and points have gates of their own, and the kernel bends points alone") {
   test::BuildEnvironment environment;
   Hybrid residual({.point_sigma = 0.1, .point_gate = 3.0, .weighting = Hybrid::Weighting::none}, environment.context());
   const Surface plane{.normal = Vec3::UnitZ(), .valid = true}, point{.valid = true};
