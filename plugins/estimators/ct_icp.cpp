@@ -154,9 +154,10 @@ void CtIcp::add_priors(Mat12& A, Vec12& b, double points) const {
 bool CtIcp::step(const StepContext& context, double& turn, double& shift) {
   const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
   last_ = measure(fresh_, true, std::numeric_limits<double>::infinity());
-  const BeginEndInformation old = measure(history_, false, context.histories.gate(params_.sigma));
-  result_.fresh_matches = static_cast<std::uint32_t>(last_.accepted / rows);
-  result_.history_matches = static_cast<std::uint32_t>(old.accepted / rows);
+  const double gate = context.histories.gate(params_.sigma);
+  const BeginEndInformation old = measure(history_, false, gate);
+  result_.fresh_matches = static_cast<std::uint32_t>(count_matches(fresh_.rows, rows, last_.accepted));
+  result_.history_matches = static_cast<std::uint32_t>(count_matches(history_.rows, rows, old.accepted, gate * gate));
   if (static_cast<std::int64_t>(result_.fresh_matches) < params_.min_matches) {
     refuse(UpdateStatus::few_matches);
     return false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/cpu_clock.hpp"
@@ -132,9 +133,32 @@ void Ieskf::load_fresh() {
   }
 }
 
-/// Brings the fresh points to the end of the window again, as the iterate says.
-void Ieskf::redeskew(const NavState& at) {
+/// Whether the step from an iterate with these residuals reaches the points in proportion to their time. eq. DSK-4.
+bool Ieskf::spreads(const WindowInformation& fresh) {
+  const double rms = std::sqrt(fresh.squared_sum / static_cast<double>(std::max<std::size_t>(fresh.accepted, 1)));
+  const double before = std::exchange(rms_, rms);
+  switch (params_.redeskew) {
+    case Redeskew::every_iteration:
+      break;
+    case Redeskew::once_registered:
+      spreading_ = spreading_ || rms <= params_.redeskew_below;
+      break;
+    case Redeskew::until_converged:
+      spreading_ = spreading_ && rms <= (1.0 - params_.redeskew_fall) * before;
+      break;
+  }
+  return spreading_;
+}
+
+/// Brings the fresh points to the end of the window again, as the step from the pose `before` to the iterate `at` says.
+void Ieskf::redeskew(const Pose& before, const NavState& at, const WindowInformation& fresh) {
   const CpuTimer timer(result_.times.deskew, result_.times.solve);
+  if (spreads(fresh)) {
+    spread_end_ = spread_end_ * (before.inverse() * at.pose());
+    if (params_.deskew_correction != DeskewCorrection::rigid) ++redeskews_;
+  } else if (!sensors_.active()) {
+    return;
+  }
   if (sensors_.active()) frame_.set_extrinsic(sensors_.T_imu_lidar());
   if (params_.deskew_correction == DeskewCorrection::state) {
     path_.repropagate(*motion_, at);
@@ -143,7 +167,7 @@ void Ieskf::redeskew(const NavState& at) {
     return;
   }
   WindowTrajectory& trajectory = path_.trajectory();
-  trajectory.correct(at.pose());
+  trajectory.correct(params_.redeskew == Redeskew::every_iteration ? at.pose() : spread_end_);
   if (sensors_.active()) {
     frame_.deskew_matches(path_.trajectory());
     fresh_.body.assign(frame_.match_body().begin(), frame_.match_body().end());
@@ -154,18 +178,16 @@ void Ieskf::redeskew(const NavState& at) {
       [&](std::size_t i) { return frame_.match_time()[i]; }, [&](std::size_t i, const Vec3& p) { fresh_.body[i] = p; });
 }
 
-/// A residual of several rows has one match for so many.
-std::int64_t Ieskf::matches(const WindowInformation& sum) const {
-  return static_cast<std::int64_t>(sum.accepted) / residual_->rows_per_match();
-}
-
 /// All residuals at the iterate.
 Ieskf::Evaluation Ieskf::linearize(const NavState& at, const StepContext& context) {
   Evaluation sums;
   sums.fresh = fresh_.sum_up(*residual_, sigma_, at, std::numeric_limits<double>::infinity(), exec_);
-  sums.history = history_.sum_up(*residual_, sigma_, at, context.histories.gate(sigma_), exec_);
-  result_.fresh_matches = static_cast<std::uint32_t>(matches(sums.fresh));
-  result_.history_matches = static_cast<std::uint32_t>(matches(sums.history));
+  const double gate = context.histories.gate(sigma_);
+  sums.history = history_.sum_up(*residual_, sigma_, at, gate, exec_);
+  const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
+  constexpr double none = std::numeric_limits<double>::infinity();
+  result_.fresh_matches = static_cast<std::uint32_t>(fresh_.matches(rows, sums.fresh.accepted, none));
+  result_.history_matches = static_cast<std::uint32_t>(history_.matches(rows, sums.history.accepted, gate));
   return sums;
 }
 
@@ -227,6 +249,9 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
   NavState x = prior;
   bool search = true;
   sensors_.begin();
+  spread_end_ = path_.trajectory().predicted_end().pose();
+  spreading_ = params_.redeskew != Redeskew::once_registered;
+  rms_ = std::numeric_limits<double>::infinity();
   int converged_steps = 0;
   for (int j = 0; j < params_.max_iterations; ++j) {
     {
@@ -241,15 +266,17 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const CpuTimer timer(result_.times.solve);
     const Evaluation sums = linearize(x, context);
     result_.iterations = j + 1;
-    if (matches(sums.fresh) < params_.min_matches) return refuse(UpdateStatus::few_matches);
+    if (static_cast<std::int64_t>(result_.fresh_matches) < params_.min_matches)
+      return refuse(UpdateStatus::few_matches);
     const NormalEquations normal = assemble(sums, context.histories.weight(sums.fresh.accepted, sums.history.accepted));
     const StateVector d = box_minus(x, prior);
     const StateMatrix P = transported_covariance(P_, d.head<3>());
     if (j == 0) result_.nis = innovation_per_row(sums.fresh);
     const StateVector delta = step(x, d, P, normal);
     if (!delta.allFinite()) return refuse(UpdateStatus::non_finite);
+    const Pose before = x.pose();
     x = box_plus(x, delta, params_.estimated.gravity != Gravity::free);
-    redeskew(x);
+    redeskew(before, x, sums.fresh);
     const double turn = delta.segment<3>(block::theta).norm() / kRadPerDeg;
     const double shift = delta.segment<3>(block::p).norm();
     const bool converged = has_converged(delta);
@@ -300,6 +327,7 @@ void Ieskf::refuse(UpdateStatus status) {
 
 const Update& Ieskf::update(const Window& window, const HistorySelection& past, const StepContext& context) {
   result_ = Update{};
+  redeskews_ = 0;
   plan_ = window.plan;
   const StateMatrix P_before = P_;
   const NavState before = state_;
@@ -339,6 +367,15 @@ void Ieskf::record_residuals() {
   fresh_.record(rows_per_match, records_, result_.residual_rms);
 }
 
+/// The trajectory ends in the state; what the points have seen of the correction in proportion to their time stays. eq.
+/// DSK-4.
+void Ieskf::correct_trajectory() {
+  WindowTrajectory& trajectory = path_.trajectory();
+  if (params_.redeskew == Redeskew::every_iteration || !result_.accepted) return trajectory.correct(state_.pose());
+  trajectory.correct(spread_end_);
+  trajectory.move(state_.pose() * spread_end_.inverse());
+}
+
 void Ieskf::finish(bool predicted) {
   if (params_.deskew_correction == DeskewCorrection::state) {
     const CpuTimer timer(result_.times.deskew);
@@ -352,7 +389,7 @@ void Ieskf::finish(bool predicted) {
     result_.sensor = sensors_.estimate();
   }
   const CpuTimer timer(result_.times.solve);
-  path_.trajectory().correct(state_.pose());
+  correct_trajectory();
   frame_.place(path_.trajectory());
   if (result_.accepted) {
     record_residuals();

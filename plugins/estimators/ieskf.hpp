@@ -40,11 +40,22 @@ class Ieskf final : public Estimator {
     state  ///< de-skewed again through the IMU with the rate, velocity and calibration of the iterate, in the rows too
   };
 
+  /// With `asymptotic`: which steps of an update reach the points in proportion to their time. The others move all
+  /// points alike, as `rigid`. eq. DSK-4.
+  enum class Redeskew : std::uint8_t {
+    every_iteration,  ///< all of them
+    once_registered,  ///< from the first one on that starts with an RMS residual of at most `redeskew_below`
+    until_converged   ///< up to the first one before which the RMS residual has fallen by less than `redeskew_fall`
+  };
+
   struct Params {
     EstimatedStates estimated;
     StartCovariance start_covariance = StartCovariance::measured;
     SensorStates::Params sensors;
     DeskewCorrection deskew_correction = DeskewCorrection::rigid;
+    Redeskew redeskew = Redeskew::every_iteration;
+    double redeskew_below = 0.05;
+    double redeskew_fall = 0.01;
     ImuNoisePreset noise;
     Association association = Association::every_iteration;
     bool search_last = false;
@@ -78,6 +89,8 @@ class Ieskf final : public Estimator {
   const Update& update(const Window& window, const HistorySelection& past, const StepContext& context) override;
   const NavState& state() const override { return state_; }
   NavState predict(std::span<const ImuSample> imu) const override;
+  /// Steps of the last update that reached the points in proportion to their time, or through the IMU. eq. DSK-4.
+  int redeskews() const { return redeskews_; }
 
  private:
   /// Sums of one evaluation: information of the fresh points and of the history points (not yet weighted).
@@ -99,8 +112,9 @@ class Ieskf final : public Estimator {
   void associate(WindowMatches& set, const NavState& at, const Map& map, std::uint32_t max_stamp);
   void project_to_seen(const WindowInformation& sum, SeenMatrix& A, SeenVector& b) const;
   void load_fresh();
-  void redeskew(const NavState& at);
-  std::int64_t matches(const WindowInformation& sum) const;
+  bool spreads(const WindowInformation& fresh);
+  void redeskew(const Pose& before, const NavState& at, const WindowInformation& fresh);
+  void correct_trajectory();
   bool has_converged(const StateVector& delta) const;
   bool searches_next(int iteration, bool converged, int converged_steps) const;
   Evaluation linearize(const NavState& at, const StepContext& context);
@@ -127,6 +141,11 @@ class Ieskf final : public Estimator {
   SensorStates sensors_;
   DeadReckoning dead_reckoning_;
   bool unobservable_ = false;  ///< the last update left a direction open, or was refused after others were not
+
+  Pose spread_end_;        ///< of the predicted end and the steps that reached the points in proportion to their time
+  bool spreading_ = true;  ///< whether the last step did
+  double rms_ = 0;         ///< of the residuals before it [m]
+  int redeskews_ = 0;
 
   SeenRows seen_ = SeenRows::Zero();
   WindowPath path_;

@@ -17,6 +17,20 @@ void Ieskf::describe(config::Binder& b, Params& p) {
            "how the correction reaches the points inside a window. rigid: all of it. linear: in proportion to their "
            "time. asymptotic: the same in the points, not in the rows (AC-LIO). state: de-skewed again with rate, "
            "velocity and calibration of the iterate");
+  b.choice("redeskew", p.redeskew,
+           {{"every_iteration", Redeskew::every_iteration},
+            {"once_registered", Redeskew::once_registered},
+            {"until_converged", Redeskew::until_converged}},
+           "deskew_correction: asymptotic: which steps reach the points in proportion to their time; the others move "
+           "all alike. every_iteration: all. once_registered: those from an RMS residual of at most redeskew_below on. "
+           "until_converged: those before the RMS residual stops to fall");
+  b.require(
+      p.redeskew == Redeskew::every_iteration || p.deskew_correction == DeskewCorrection::asymptotic, "redeskew",
+      "needs deskew_correction: asymptotic (the other rules count on every step). Set that, or every_iteration here");
+  b.real("redeskew_below", p.redeskew_below, "m", {.above = 0, .max = 10},
+         "redeskew: once_registered: RMS residual from which on what is left of it counts as distortion");
+  b.real("redeskew_fall", p.redeskew_fall, "", {.min = 0, .below = 1},
+         "redeskew: until_converged: share by which the RMS residual has to fall from one iteration to the next");
   b.choice("noise", p.noise.kind,
            {{"fastlio", Noise::fastlio}, {"physical", Noise::physical}, {"rate_scaled", Noise::rate_scaled}},
            "IMU noise: FAST-LIO2's inflated per-sample variances, the sensor file's densities, or those plus terms for "

@@ -145,12 +145,14 @@ SliceInformation Smoother::fresh_sums() const {
 /// Of all slices and of the fresh ones; returns the rows of the latter, of which a match may have several.
 std::size_t Smoother::count_matches() {
   const auto rows_per_match = static_cast<std::size_t>(residual_->rows_per_match());
-  const std::size_t fresh = fresh_sums().accepted;
-  std::size_t all = 0;
-  for (std::size_t i = first_; i < slices_.size(); ++i) all += slices_[i]->sums.accepted;
-  result_.fresh_matches = static_cast<std::uint32_t>(fresh / rows_per_match);
-  result_.history_matches = static_cast<std::uint32_t>((all - fresh) / rows_per_match);
-  return fresh;
+  std::size_t old = 0, fresh = 0;
+  for (std::size_t i = first_; i < slices_.size(); ++i) {
+    const Slice& slice = *slices_[i];
+    (i < fresh_ ? old : fresh) += aslio::count_matches(slice.points.rows, rows_per_match, slice.sums.accepted);
+  }
+  result_.fresh_matches = static_cast<std::uint32_t>(fresh);
+  result_.history_matches = static_cast<std::uint32_t>(old);
+  return fresh_sums().accepted;
 }
 
 void Smoother::iterate(const StepContext& context) {

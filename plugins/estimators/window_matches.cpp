@@ -56,4 +56,14 @@ WindowInformation WindowMatches::sum_up(Residual& residual, double sigma, const 
                      [](WindowInformation& total, const WindowInformation& part) { total += part; });
 }
 
+std::size_t WindowMatches::matches(std::size_t rows_per_match, std::size_t taking_part, double gate) const {
+  if (rows_per_match == 1 || left_out.empty()) return count_matches(rows, rows_per_match, taking_part, gate * gate);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < left_out.size(); ++i) {
+    const auto match = std::span<const ResidualRow>(rows).subspan(i * rows_per_match, rows_per_match);
+    count += left_out[i] == 0 && within(match, gate * gate) ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace aslio::plugins

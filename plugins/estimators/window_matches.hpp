@@ -27,6 +27,8 @@ struct WindowMatches : PointMatches {
   /// Rows of all points at the pose of `at`, and their sums over the points that lie within `gate` [m] of their
   /// surface. The same bits for any number of threads.
   WindowInformation sum_up(Residual& residual, double sigma, const NavState& at, double gate, exec::Executor& exec);
+  /// Matches of the last sum, of whose rows `taking_part` took part. `gate` [m] as there.
+  std::size_t matches(std::size_t rows_per_match, std::size_t taking_part, double gate) const;
 
  private:
   std::vector<WindowInformation> partials_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "residuals/coincident.hpp"
 #include "residuals/plane_fit.hpp"
@@ -25,6 +24,9 @@ void PointToPlane::describe(config::Binder& b, Params& p) {
          "neighbours farther than this are not looked at");
   b.real("plane_threshold", p.plane_threshold, "m", {.above = 0.0},
          "a neighbour farther than this from the plane refuses the plane");
+  b.optional_real("planarity", p.planarity, "", {.above = 0.0, .max = 1.0 / 3.0}, "any",
+                  "a smallest eigenvalue of the neighbours' scatter above this share of their sum refuses the plane "
+                  "(GenZ-ICP)");
   b.real("min_spread", p.min_spread, "", {.min = 0.0, .below = 1.0},
          "least ratio of the second to the first standard deviation of the neighbours (collinear ones span no plane)");
   b.real("gate", p.gate, "1/m", {.min = 0.0}, "a row takes part while range > gate * r^2 (0: always)");
@@ -98,6 +100,8 @@ void PointToPlane::fit_batch(std::span<const Vec3> queries, const Neighbours& ne
     const bool spread = batch.largest[lane] > kCoincident * kCoincident &&
                         batch.middle[lane] > params_.min_spread * params_.min_spread * batch.largest[lane];
     const Vec3 normal(batch.normal_x[lane], batch.normal_y[lane], batch.normal_z[lane]);
+    const double sum = batch.smallest[lane] + batch.middle[lane] + batch.largest[lane];
+    if (params_.planarity && !(batch.smallest[lane] <= *params_.planarity * sum)) continue;
     if (!spread || !(batch.farthest[lane] <= params_.plane_threshold) || !normal.allFinite()) continue;
     surface.normal = normal;
     surface.anchor = queries[i] + Vec3(batch.mean_x[lane], batch.mean_y[lane], batch.mean_z[lane]);
@@ -125,23 +129,30 @@ double PointToPlane::weight(double r) const {
   return 1.0;
 }
 
+// `inline` for speed: asked for every point at every iteration.
+inline ResidualRow PointToPlane::row(const Vec3& world, float range, const Surface& surface, double variance) const {
+  const double r = surface.normal.dot(world - surface.anchor);
+  if (!std::isfinite(r)) return {};
+  ResidualRow out{r, surface.normal, 0.0};
+  const bool inside = params_.gate == 0 || static_cast<double>(range) > params_.gate * r * r;
+  const bool near = !params_.max_residual || std::abs(r) <= *params_.max_residual;
+  if (!inside || !near) return out;
+  // eq. RES-5
+  if (counts_shared_matches()) variance += surface.shared_matches * (params_.plane_sigma * params_.plane_sigma);
+  out.information = surface.quality * weight(r) * (1.0 / variance);
+  return out;
+}
+
+ResidualRow PointToPlane::row_of(const Vec3& world, float range, const Surface& surface, double sigma) const {
+  return row(world, range, surface, sigma * sigma);
+}
+
 void PointToPlane::evaluate(std::span<const Vec3> world, std::span<const float> range,
                             std::span<const Surface> surfaces, double sigma, std::span<ResidualRow> rows) {
-  const bool shared = counts_shared_matches();
-  const double variance = sigma * sigma, common = params_.plane_sigma * params_.plane_sigma, alone = 1.0 / variance;
-  const double farthest = params_.max_residual.value_or(std::numeric_limits<double>::infinity());
+  const double variance = sigma * sigma;
   exec_.for_ranges(world.size(), 4 * kMatchesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
-      rows[i] = {};
-      const Surface& surface = surfaces[i];
-      if (!surface.valid) continue;
-      const double r = surface.normal.dot(world[i] - surface.anchor);
-      if (!std::isfinite(r)) continue;
-      rows[i] = {r, surface.normal, 0.0};
-      const bool inside = params_.gate == 0 || static_cast<double>(range[i]) > params_.gate * r * r;
-      if (!inside || !(std::abs(r) <= farthest)) continue;
-      const double information = shared ? 1.0 / (variance + surface.shared_matches * common) : alone;  // eq. RES-5
-      rows[i].information = surface.quality * weight(r) * information;
+      rows[i] = surfaces[i].valid ? row(world[i], range[i], surfaces[i], variance) : ResidualRow{};
     }
   });
 }

@@ -24,6 +24,7 @@ class PointToPlane final : public Residual {
     std::int64_t k_min = 0;
     double max_distance = 1.0;
     double plane_threshold = 0.1;
+    std::optional<double> planarity = std::nullopt;
     double min_spread = 0.1;
     double gate = 81.0;
     std::optional<double> max_residual = std::nullopt;
@@ -44,11 +45,15 @@ class PointToPlane final : public Residual {
   void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                 double sigma, std::span<ResidualRow> rows) override;
 
+  /// The row of one match. Pre: the surface is valid. `range`: |p_L| [m].
+  ResidualRow row_of(const Vec3& world, float range, const Surface& surface, double sigma) const;
+
  private:
   bool fits(const Neighbours& neighbours, std::size_t query, std::size_t count) const;
   void fit_batch(std::span<const Vec3> queries, const Neighbours& neighbours, std::size_t begin, std::size_t end,
                  std::size_t count, std::span<Surface> out) const;
   double weight(double r) const;
+  inline ResidualRow row(const Vec3& world, float range, const Surface& surface, double variance) const;
 
   Params params_;
   double kernel_width_;  ///< for the noise there is [m]

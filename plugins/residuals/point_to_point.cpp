@@ -1,5 +1,6 @@
 #include "residuals/point_to_point.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace aslio::plugins {
@@ -17,31 +18,38 @@ void PointToPoint::describe(config::Binder& b, Params& p) {
 
 PointToPoint::PointToPoint(const Params& params, const BuildContext& context) : params_(params), exec_(context.exec) {}
 
+void PointToPoint::fit_one(const Vec3& query, const Neighbours& neighbours, std::size_t i, Surface& out) const {
+  out = {};
+  if (neighbours.count[i] == 0) return;
+  out.anchor = query + neighbours.offset(i, 0).cast<double>();
+  out.valid = true;
+}
+
 void PointToPoint::fit(std::span<const Vec3> queries, const Neighbours& neighbours, std::span<Surface> out) {
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    out[i] = {};
-    if (neighbours.count[i] == 0) continue;
-    out[i].anchor = queries[i] + neighbours.offset(i, 0).cast<double>();
-    out[i].valid = true;
-  }
+  for (std::size_t i = 0; i < queries.size(); ++i) fit_one(queries[i], neighbours, i, out[i]);
+}
+
+void PointToPoint::rows_of(const Vec3& world, const Surface& surface, double sigma, std::span<ResidualRow> rows) const {
+  for (ResidualRow& row : rows) row = {};
+  const Vec3 r = world - surface.anchor;
+  const double squared = r.squaredNorm(), farthest = params_.gate * sigma;
+  if (!std::isfinite(squared)) return;
+  const bool inside = params_.gate == 0 || squared < farthest * farthest;
+  const double bell = params_.kernel == Kernel::none ? 1.0 : sigma / (sigma + squared);
+  const double information = 1.0 / (sigma * sigma);
+  const double known = inside ? surface.quality * bell * bell * information : 0.0;
+  for (int axis = 0; axis < 3; ++axis) rows[static_cast<std::size_t>(axis)] = {r[axis], Vec3::Unit(axis), known};
 }
 
 void PointToPoint::evaluate(std::span<const Vec3> world, std::span<const float>, std::span<const Surface> surfaces,
                             double sigma, std::span<ResidualRow> rows) {
-  const double information = 1.0 / (sigma * sigma);
-  const double farthest = params_.gate * sigma;
   exec_.for_ranges(world.size(), kPairsPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t axis = 0; axis < 3; ++axis) rows[3 * i + axis] = {};
-      if (!surfaces[i].valid) continue;
-      const Vec3 r = world[i] - surfaces[i].anchor;
-      const double squared = r.squaredNorm();
-      if (!std::isfinite(squared)) continue;
-      const bool inside = params_.gate == 0 || squared < farthest * farthest;
-      const double bell = params_.kernel == Kernel::none ? 1.0 : sigma / (sigma + squared);
-      const double known = inside ? bell * bell * information : 0.0;
-      for (int axis = 0; axis < 3; ++axis) {
-        rows[3 * i + static_cast<std::size_t>(axis)] = {r[axis], Vec3::Unit(axis), known};
+      const auto own = rows.subspan(3 * i, 3);
+      if (surfaces[i].valid) {
+        rows_of(world[i], surfaces[i], sigma, own);
+      } else {
+        std::fill(own.begin(), own.end(), ResidualRow{});
       }
     }
   });

@@ -26,6 +26,11 @@ class PointToPoint final : public Residual {
   void evaluate(std::span<const Vec3> world, std::span<const float> range, std::span<const Surface> surfaces,
                 double sigma, std::span<ResidualRow> rows) override;
 
+  /// The surface of query `i` of a batch; not valid where nothing was found.
+  void fit_one(const Vec3& query, const Neighbours& neighbours, std::size_t i, Surface& out) const;
+  /// The three rows of one match, times the quality of its surface. Pre: the surface is valid.
+  void rows_of(const Vec3& world, const Surface& surface, double sigma, std::span<ResidualRow> rows) const;
+
  private:
   Params params_;
   exec::Executor& exec_;

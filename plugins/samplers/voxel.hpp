@@ -32,6 +32,9 @@ class VoxelSampler final : public Sampler {
 
   VoxelSampler(const Params& params, const BuildContext& context);
 
+  /// Edge of the cubes from the next batch on [m]; > 0.
+  void set_leaf(double leaf) { leaves_per_metre_ = static_cast<float>(1.0 / leaf); }
+
   ActsOn acts_on() const override { return ActsOn::body; }
   bool moves_points() const override { return keep_ == Keep::mean; }
   bool takes_features() const override { return of_ != Of::all; }

@@ -32,7 +32,7 @@ Bound bound_of(const std::string& name) {
   const std::vector<std::string> published = {
       "fast_lio2",  "fast_lio2_published", "fast_lio2_indoor", "faster_lio", "faster_lio_published",
       "point_lio",  "point_lio_published", "sr_lio",           "lio_sam",    "super_lio",
-      "surfel_lio", "r_voxelmap"};
+      "surfel_lio", "r_voxelmap",          "genz_lio",         "ac_lio"};
   const bool wide = std::find(published.begin(), published.end(), name) != published.end();
   return wide ? Bound{0.30, 4.0} : Bound{0.15, 2.0};
 }

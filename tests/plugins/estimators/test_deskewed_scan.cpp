@@ -170,6 +170,24 @@ TEST_CASE("points are placed where the corrected trajectory was when they were m
   }
 }
 
+TEST_CASE("a trajectory that is moved as a whole keeps its shape, its correction included") {  // eq. DSK-4
+  for (const auto spread : {WindowTrajectory::Spread::rigid, WindowTrajectory::Spread::linear}) {
+    WindowTrajectory trajectory = turning_trajectory(3.0, 20, 0.005, spread, 1.0);
+    const Pose predicted = trajectory.predicted_end().pose();
+    trajectory.correct(predicted.moved((Vec6() << 0.02, -0.03, 0.05, 0.1, -0.2, 0.05).finished()));
+    const WindowTrajectory before = trajectory;
+    const Pose T{exp_so3(Vec3(0.2, -0.1, 0.7)), Vec3(3, -2, 1)};
+    trajectory.move(T);
+    const TimeNs begin = before.begin(), end = before.predicted_end().t;
+    for (TimeNs t = begin; t <= end; t += (end - begin) / 53) {
+      const Pose expected = T * before.pose(t), there = trajectory.pose(t);
+      REQUIRE((there.p - expected.p).norm() < 1e-12);
+      REQUIRE((there.R - expected.R).norm() < 1e-12);
+    }
+    CHECK((trajectory.corrected_end().p - T * before.corrected_end().p).norm() < 1e-12);
+  }
+}
+
 TEST_CASE("the trajectory moves with its end and its Jacobian agrees with central differences") {  // eq. TRJ-1
   const auto spread = GENERATE(WindowTrajectory::Spread::rigid, WindowTrajectory::Spread::linear);
   WindowTrajectory trajectory = turning_trajectory(3.0, 10, 0.01, spread);

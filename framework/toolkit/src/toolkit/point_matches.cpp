@@ -125,4 +125,16 @@ std::size_t record_matches(std::span<const ResidualRow> rows, std::size_t rows_p
   return accepted;
 }
 
+std::size_t count_matches(std::span<const ResidualRow> rows, std::size_t rows_per_match, std::size_t taking_part,
+                          double limit) {
+  if (rows_per_match == 1) return taking_part;
+  std::size_t count = 0;
+  for (std::size_t first = 0; first + rows_per_match <= rows.size(); first += rows_per_match) {
+    const auto match = rows.subspan(first, rows_per_match);
+    const bool any = std::any_of(match.begin(), match.end(), [](const ResidualRow& row) { return row.takes_part(); });
+    count += any && within(match, limit) ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace aslio

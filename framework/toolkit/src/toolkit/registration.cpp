@@ -93,10 +93,11 @@ void Registration::iterate(const HistorySelection& past, const StepContext& cont
     }
     const CpuTimer timer(result_.times.solve);
     const PoseInformation fresh = sum(fresh_, end, std::numeric_limits<double>::infinity());
-    const PoseInformation old = sum(history_, end, context.histories.gate(sigma_));
+    const double gate = context.histories.gate(sigma_);
+    const PoseInformation old = sum(history_, end, gate);
     result_.iterations = j + 1;
-    result_.fresh_matches = static_cast<std::uint32_t>(fresh.accepted / rows);
-    result_.history_matches = static_cast<std::uint32_t>(old.accepted / rows);
+    result_.fresh_matches = static_cast<std::uint32_t>(count_matches(fresh_.rows, rows, fresh.accepted));
+    result_.history_matches = static_cast<std::uint32_t>(count_matches(history_.rows, rows, old.accepted, gate * gate));
     if (static_cast<std::int64_t>(result_.fresh_matches) < rules_.min_matches) {
       return refuse(UpdateStatus::few_matches);
     }

@@ -47,6 +47,18 @@ void WindowTrajectory::shift(const Vec3& by) {
   corrected_end_.p += by;
 }
 
+void WindowTrajectory::move(const Pose& T) {
+  for (MotionSegment& segment : segments_) {
+    segment.R = T.R * segment.R;
+    segment.p = T * segment.p;
+    segment.v = T.R * segment.v;
+    segment.a_W = T.R * segment.a_W;
+  }
+  end_.R = T.R * end_.R;
+  end_.p = T * end_.p;
+  corrected_end_ = T * corrected_end_;
+}
+
 double WindowTrajectory::share(TimeNs t) const {
   if (t >= end_.t) return 1.0;
   return t <= begin_ ? 0.0 : static_cast<double>(t - begin_) / static_cast<double>(end_.t - begin_);

@@ -2,6 +2,7 @@
 /// Points of one class (fresh or history) and what they match in the map, over the iterations of a registration.
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,11 @@ inline bool within(std::span<const ResidualRow> rows, double limit) {
   return std::all_of(rows.begin(), rows.end(),
                      [limit](const ResidualRow& z) { return !z.takes_part() || !(z.r * z.r > limit); });
 }
+
+/// Matches of which a row takes part and that pass the gate `limit` [m^2] (within()), given their rows. `taking_part`:
+/// rows that do. A residual may leave out some rows of a match (RES-6), so that this is no quotient.
+std::size_t count_matches(std::span<const ResidualRow> rows, std::size_t rows_per_match, std::size_t taking_part,
+                          double limit = std::numeric_limits<double>::infinity());
 
 struct PointMatches {
   std::vector<Vec3> body, world;  ///< at the end of the window; where the iterate places them

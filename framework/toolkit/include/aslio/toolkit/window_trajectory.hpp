@@ -24,6 +24,8 @@ class WindowTrajectory final : public TrajectoryModel {
   void append(const MotionSegment& segment, const NavState& end);
   /// Moves everything, e.g. once the end has been found to lie elsewhere.
   void shift(const Vec3& by);
+  /// Moves everything by `T` (W from W), its correction included; velocities keep their frame but inside segments.
+  void move(const Pose& T);
   /// The end pose after the update.
   void correct(const Pose& end);
   /// States that the prediction went through, in which the corrected `end` is known, too: on the corrected path, with
