@@ -60,7 +60,7 @@ struct SplineFilter : Filter {
 
 }  // namespace
 
-// eq. SPL-8.
+// eqs. SPL-4, SPL-8.
 TEST_CASE("the recursive spline follows a swing without noise to millimetres, with and without IMU") {
   const bool imu = GENERATE(true, false);
   const double interval = GENERATE(0.01, 0.025);
@@ -74,6 +74,7 @@ TEST_CASE("the recursive spline follows a swing without noise to millimetres, wi
     CAPTURE(k);
     REQUIRE(update.accepted);
     CHECK(update.states.back().t == room.window.plan.end);
+    CHECK(update.P.block<9, 9>(block::b_w, block::b_w).isZero() == !imu);
     if (k < 5) continue;
     for (const NavState& state : update.states) {
       const double s = to_seconds(state.t - kRoomEpoch);

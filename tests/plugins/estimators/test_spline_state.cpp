@@ -213,7 +213,7 @@ TEST_CASE("a long gap is passed in one step, with as much doubt as one control p
   std::mt19937_64 engine(23);
   const SplineNoise noise{.acceleration = 2, .turn = 0.01, .gyro_bias = 1e-6, .acc_bias = 1e-5};
   SplineBelief chain{some_spline_state(engine)};
-  chain.x.set(chain.x.begin, chain.x.control[0], Vec3(1, -0.5, 0.2), Vec3(0, 0, 0.1));
+  chain.x.set(chain.x.begin, chain.x.control[0], Vec3(1, -0.5, 0.2), Vec3(0, 0, 0.005));
   chain.spread(chain.x.begin, 1e-6 * sp::MomentMatrix::Identity(), noise);
   SplineBelief jump = chain;
   const TimeNs t = chain.x.begin + 30 * kSecond;
@@ -231,4 +231,39 @@ TEST_CASE("a long gap is passed in one step, with as much doubt as one control p
   jump.advance(t + 1'000'000 * kSecond, noise);
   CHECK(jump.x.finite());
   CHECK(jump.P.allFinite());
+}
+
+// eq. SPL-9.
+TEST_CASE("the Jacobian of a spline's trajectory agrees with central differences, and its end moves as one body") {
+  std::mt19937_64 engine(29);
+  SplineBelief belief{some_spline_state(engine)};
+  SplineTrajectory trajectory;
+  trajectory.begin(belief.x);
+  const TimeNs begin = belief.x.begin;
+  for (int k = 0; k < 3; ++k) {
+    belief.extend(kQuiet);
+    belief.x.add(some_vector(engine, 0.1).x() * sp::Vector::Ones(), false);
+    trajectory.follow(belief.x);
+  }
+  const TimeNs end = belief.x.begin + belief.x.interval / 3;
+  trajectory.close(end);
+  REQUIRE(trajectory.dof() == 6 * 4);
+  for (const TimeNs t : {begin, begin + (end - begin) / 5, begin + (end - begin) / 2, end}) {
+    Eigen::MatrixXd jacobian;
+    trajectory.jacobian(t, jacobian);
+    const Pose here = trajectory.pose(t);
+    constexpr double h = 1e-6;
+    for (int i = 0; i < trajectory.dof(); ++i) {
+      const Eigen::VectorXd xi = h * Eigen::VectorXd::Unit(trajectory.dof(), i);
+      const Pose up = trajectory.moved(t, xi), down = trajectory.moved(t, -xi);
+      Vec6 slope;
+      slope << log_so3(here.R.transpose() * up.R) - log_so3(here.R.transpose() * down.R), up.p - down.p;
+      REQUIRE((jacobian.col(i) - slope / (2 * h)).norm() < 1e-7);
+    }
+  }
+  Eigen::MatrixXd at_end;
+  trajectory.jacobian(end, at_end);
+  CHECK((at_end.rightCols<6>() - Mat6::Identity()).norm() < 1e-12);
+  trajectory.straighten(Vec3(1, 2, 3));
+  CHECK((trajectory.pose(end).p - trajectory.pose(begin).p - to_seconds(end - begin) * Vec3(1, 2, 3)).norm() < 1e-9);
 }
