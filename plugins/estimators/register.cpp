@@ -6,6 +6,7 @@
 #include "estimators/pointwise_eskf.hpp"
 #include "estimators/scan_matcher.hpp"
 #include "estimators/smoother.hpp"
+#include "estimators/spline_iekf.hpp"
 
 namespace aslio::plugins {
 
@@ -24,6 +25,8 @@ void register_estimators(plugin::Registry<Estimator>& registry) {
   registry.add<ScanMatcher>("scan_matcher", "Lines and planes against the last sweep, then against the map (LOAM).");
   registry.add<Smoother>("smoother",
                          "Fixed-lag smoother over the slices of a window, every point matched again (FR-LIO).");
+  registry.add<SplineIekf>("spline_iekf",
+                           "Kalman filter of the last four control poses of a cubic B-spline (RESPLE); IMU on demand.");
 }
 
 }  // namespace aslio::plugins

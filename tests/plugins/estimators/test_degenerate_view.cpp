@@ -9,7 +9,7 @@ using namespace aslio::test;
 
 TEST_CASE("a view does not become degenerate by being cut into shorter windows") {
   constexpr TimeNs tenth = kSecond / 10;
-  for (const std::string type : {"ieskf", "smoother", "ct_icp", "icp", "pointwise_eskf"}) {
+  for (const std::string type : {"ieskf", "smoother", "ct_icp", "icp", "pointwise_eskf", "spline_iekf"}) {
     CAPTURE(type);
     const auto update = [&](double sigma, TimeNs length, int points) {
       Filter filter({"estimator={type: " + type + ", degenerate_sigma: " + std::to_string(sigma) + "}"}, 0.01);

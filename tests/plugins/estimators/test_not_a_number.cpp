@@ -7,7 +7,7 @@ using namespace aslio;
 using namespace aslio::test;
 
 TEST_CASE("a residual with information that is not a number makes an update that is not finite") {
-  const std::string type = GENERATE("ieskf", "icp", "ct_icp", "smoother", "pointwise_eskf");
+  const std::string type = GENERATE("ieskf", "icp", "ct_icp", "smoother", "pointwise_eskf", "spline_iekf");
   CAPTURE(type);
   Filter filter({"estimator={type: " + type + ", residual: unknown}"});
   filter.build_map(1);
