@@ -224,7 +224,7 @@ TEST_CASE("facts of the sensors are those of their data sheets") {
     CHECK(f.angle_noise > 1e-4);
     CHECK(f.angle_noise < 1e-3);
     CHECK(f.max_range > 50);
-    CHECK(f.min_range < 1);
+    CHECK(f.min_range <= 1);
     CHECK(f.lidar_topic != f.imu_topic);
   }
 }
