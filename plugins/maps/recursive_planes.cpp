@@ -140,7 +140,7 @@ InsertCount RecursivePlanes::insert(std::span<const WorldPoint> points, std::uin
 }
 
 /// Whether the point changed something. eq. MAP-9.
-bool RecursivePlanes::add(Node& node, Place place, const Seen& seen) {
+bool RecursivePlanes::add(Node& node, const Place& place, const Seen& seen) {
   switch (node.kind) {
     case Kind::open:
       keep(node, seen);

@@ -94,7 +94,7 @@ class RecursivePlanes final : public Map {
 
   Vec3 corner(const VoxelCell& cell) const;
   std::uint32_t root_at(const VoxelCell& cell);
-  bool add(Node& node, Place place, const Seen& seen);
+  bool add(Node& node, const Place& place, const Seen& seen);
   bool add_to_plane(Node& node, const Seen& seen);
   bool belongs(const SampledPlane& plane, const Seen& seen) const;
   bool seen_through(const SampledPlane& plane, const Seen& seen) const;
