@@ -19,8 +19,6 @@ constexpr float kGrazing = 0.1F;
 constexpr float kInside = 3;
 /// Samples without a plane after which a voxel of the finest level is left alone.
 constexpr std::uint8_t kAttempts = 8;
-/// Of the grid against the origin, in voxels: walls stand at round numbers.
-const Vec3 kOffset(0.137, 0.223, 0.311);
 constexpr std::uint32_t kNone = CellIndex::kNone;
 
 /// Which of eight halves `p` lies in, about the corner `low` with the half edge `half`; moves `low` to its corner.
@@ -56,13 +54,30 @@ void RecursivePlanes::describe(config::Binder& b, Params& p) {
 RecursivePlanes::RecursivePlanes(const Params& params, const BuildContext& context)
     : params_(params),
       thickness_(static_cast<float>(params.thickness)),
+      aspect_(least_aspect(1.0)),
       exec_(context.exec),
       inverse_edge_(1.0 / params.voxel),
       pool_(static_cast<std::size_t>(params.sample)),
       lies_on_(static_cast<std::size_t>(params.sample)) {}
 
+/// eq. NOI-2. What was too thick before may be a plane now: voxels without one begin again. What is one stays one.
+void RecursivePlanes::set_noise_scale(double scale) {
+  const float before = std::exchange(thickness_, static_cast<float>(params_.thickness * scale));
+  aspect_ = least_aspect(scale);
+  if (thickness_ <= before) return;
+  for (std::uint32_t number = 0; number < roots_.size(); ++number)
+    if (roots_[number].in_use) judge_again(roots_[number].node);
+}
+
+void RecursivePlanes::judge_again(Node& node) {
+  if (node.kind == Kind::mixed) open_again(node);
+  node.attempts = 0;
+  if (node.children == kNone) return;
+  for (std::uint32_t i = 0; i < 8; ++i) judge_again(nodes_[node.children + i]);
+}
+
 Vec3 RecursivePlanes::corner(const VoxelCell& cell) const {
-  return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - kOffset);
+  return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - kGridOffset);
 }
 
 void RecursivePlanes::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
@@ -78,7 +93,7 @@ void RecursivePlanes::surfaces(std::span<const Vec3> queries, const MapQuery& qu
 
 /// Of the planes at the query that face it, the coarsest that it lies on; if it lies on none, the nearest. eq. MAP-9.
 Surface RecursivePlanes::surface(const Vec3& query, const MapQuery& how) const {
-  const auto cell = cell_of(query + params_.voxel * kOffset, inverse_edge_);
+  const auto cell = cell_of(query + params_.voxel * kGridOffset, inverse_edge_);
   const std::uint32_t number = cell ? index_.find(pack(*cell)) : kNone;
   if (number == kNone) return {};
   const Vec3 origin = corner(*cell);
@@ -129,7 +144,7 @@ InsertCount RecursivePlanes::insert(std::span<const WorldPoint> points, std::uin
   stamp_ = stamp;
   InsertCount count{points.size(), 0};
   for (const WorldPoint& point : points) {
-    const auto cell = cell_of(point.p_W + params_.voxel * kOffset, inverse_edge_);
+    const auto cell = cell_of(point.p_W + params_.voxel * kGridOffset, inverse_edge_);
     if (!cell) continue;
     const Seen seen{(point.p_W - corner(*cell)).cast<float>(), point.view};
     Place place;
@@ -151,6 +166,7 @@ bool RecursivePlanes::add(Node& node, const Place& place, const Seen& seen) {
       if (params_.reopen > 0 && seen_through(node.plane, seen)) {
         ++node.through;
         if (falsified(node)) {
+          ++reopened_;
           open_again(node);
           keep(node, seen);
           return true;
@@ -168,7 +184,7 @@ bool RecursivePlanes::add_to_plane(Node& node, const Seen& seen) {
   if (node.plane.count() >= static_cast<std::uint32_t>(params_.max_points)) return false;
   node.plane.add(seen.p, seen.view.toward());
   if (node.plane.count() < node.plane.next_fit()) return true;
-  if (!node.plane.fit({thickness_, static_cast<float>(params_.voxel)})) open_again(node);  // it was none
+  if (!node.plane.fit(limits(), params_.voxel)) open_again(node);  // it was none
   return true;
 }
 
@@ -197,7 +213,6 @@ bool RecursivePlanes::falsified(Node& node) const {
 }
 
 void RecursivePlanes::open_again(Node& node) {
-  ++reopened_;
   node.kind = Kind::open;
   node.plane.clear();
   node.on = node.through = 0;
@@ -232,7 +247,7 @@ void RecursivePlanes::judge(Node& node, const Place& place) {
   if (found) {
     for (std::size_t i = 0; i < count; ++i)
       if (lies_on[i] != 0) node.plane.add(seen(i).p, seen(i).view.toward());
-    found = node.plane.fit({thickness_, static_cast<float>(params_.voxel)});
+    found = node.plane.fit(limits(), params_.voxel);
   }
   if (found) {
     node.kind = Kind::plane;

@@ -51,7 +51,7 @@ class RecursivePlanes final : public Map {
   void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override;
   void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override;
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
-  void set_noise_scale(double scale) override { thickness_ = static_cast<float>(params_.thickness * scale); }
+  void set_noise_scale(double scale) override;
   void trim(const Vec3& centre_W) override;
   void clear() override;
   /// Voxels of the coarsest level.
@@ -100,6 +100,8 @@ class RecursivePlanes final : public Map {
   bool seen_through(const SampledPlane& plane, const Seen& seen) const;
   bool falsified(Node& node) const;
   void open_again(Node& node);
+  void judge_again(Node& node);
+  PlaneLimits limits() const { return {thickness_, aspect_, 0}; }
   void keep(Node& node, const Seen& seen);
   void judge(Node& node, const Place& place);
   bool hand_on(Node& node, const Place& place, const Seen& seen);
@@ -111,6 +113,7 @@ class RecursivePlanes final : public Map {
 
   Params params_;
   float thickness_;  ///< for the noise there is [m]
+  double aspect_;    ///< least variance in a plane over that across it
   exec::Executor& exec_;
   double inverse_edge_;
   std::uint32_t stamp_ = 0;  ///< of the insertion that runs

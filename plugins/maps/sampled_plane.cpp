@@ -11,35 +11,23 @@ namespace aslio::plugins {
 
 namespace {
 
-/// Of the variances along the two directions of a plane: a line spans none. As in MAP-1.
-constexpr float kMinSpread = 0.05F;
-/// Of a direction in the plane to the thickness: a clump spans none. As in MAP-1, in variances.
-constexpr float kMinAspect = 9;
-/// Error of a variance summed up in floats, in units of the squared edge of the coarsest voxels.
-constexpr float kRounding = 1e-6F;
-/// Growth of the count that is worth a new fit.
-constexpr double kRefit = 1.1;
+/// Points whose sums in floats err by kRounding; of more, the error grows as fast as their square at most.
+constexpr double kRoundingPoints = 500;
 /// Samples of three. With half of the points on the plane, one in eight is free of others: 24 miss it in 4 % of cases.
 constexpr std::size_t kSamples = 24;
 
 Eigen::Vector3f point(const Chunk& points, std::size_t i) { return {points.x[i], points.y[i], points.z[i]}; }
 
-struct Axes {
-  Vec3 variances, mean;  ///< ascending
-  Mat3 directions;
+struct Moments {
+  Vec3 mean;
+  Mat3 covariance;
 };
 
-Axes axes_of(const Eigen::Vector3f& sum, const std::array<float, 6>& s, double n) {
-  Axes axes;
-  axes.mean = sum.cast<double>() / n;
+Moments moments_of(const Eigen::Vector3f& sum, const std::array<float, 6>& s, double n) {
+  const Vec3 mean = sum.cast<double>() / n;
   Eigen::Matrix3f squares;
   squares << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  const Mat3 covariance = squares.cast<double>() / n - axes.mean * axes.mean.transpose();
-  Eigen::SelfAdjointEigenSolver<Mat3> solver;
-  solver.computeDirect(covariance);
-  axes.variances = solver.eigenvalues();
-  axes.directions = solver.eigenvectors();
-  return axes;
+  return {mean, squares.cast<double>() / n - mean * mean.transpose()};
 }
 
 struct Candidate {
@@ -68,20 +56,19 @@ void SampledPlane::add(const Eigen::Vector3f& p, const Eigen::Vector3f& toward) 
 }
 
 // eq. MAP-1.
-bool SampledPlane::fit(const Limits& limits) {
-  next_fit_ = static_cast<std::uint32_t>(kRefit * count_) + 1;
+bool SampledPlane::fit(PlaneLimits limits, double edge) {
+  const double n = count_;
+  next_fit_ = static_cast<std::uint32_t>(kRefit * n) + 1;
   if (count_ < 4) return false;
-  const Axes axes = axes_of(sum_, squares_, count_);
-  const double thin = std::max(axes.variances[0], static_cast<double>(kRounding * limits.edge * limits.edge));
-  if (!axes.directions.allFinite() || axes.variances[0] >= limits.thickness * limits.thickness ||
-      axes.variances[1] <= kMinSpread * axes.variances[2] || axes.variances[1] <= kMinAspect * thin) {
-    return false;
-  }
-  mean_ = axes.mean.cast<float>();
-  normal_ = axes.directions.col(0).cast<float>();
-  along_ = axes.directions.col(2).cast<float>();
-  longest_ = static_cast<float>(axes.variances[2]);
-  shortest_ = static_cast<float>(axes.variances[1]);
+  const Moments moments = moments_of(sum_, squares_, n);
+  limits.rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2)) * edge * edge;
+  const PlaneShape shape = plane_shape(moments.covariance, limits);
+  if (!shape.planar) return false;
+  mean_ = moments.mean.cast<float>();
+  normal_ = shape.normal.cast<float>();
+  along_ = shape.along.cast<float>();
+  longest_ = static_cast<float>(shape.variance[2]);
+  shortest_ = static_cast<float>(shape.variance[1]);
   const float away = views_.dot(normal_);
   sided_ = away != 0;
   if (away > 0) normal_ = -normal_;
@@ -93,10 +80,6 @@ float SampledPlane::reach(const Eigen::Vector3f& p) const {
   const float across = d.dot(normal_), along = d.dot(along_);
   const float rest = std::max(0.0F, d.squaredNorm() - across * across - along * along);
   return along * along / longest_ + rest / shortest_;
-}
-
-double SampledPlane::quality(const Eigen::Vector3f& p, double doubt) const {
-  return count_ / (count_ + doubt * (1.0 + static_cast<double>(reach(p))));
 }
 
 std::size_t most_common_plane(const Chunk& points, std::size_t count, float width, std::uint64_t seed,
@@ -126,10 +109,12 @@ std::size_t most_common_plane(const Chunk& points, std::size_t count, float widt
     for (int row = 0; row < 3; ++row)
       for (int column = row; column < 3; ++column) squares[at++] += p[row] * p[column];
   }
-  const Axes axes = axes_of(sum, squares, static_cast<double>(most));
-  if (axes.directions.allFinite()) {
-    best.normal = axes.directions.col(0).cast<float>();
-    best.offset = best.normal.dot(axes.mean.cast<float>());
+  const Moments moments = moments_of(sum, squares, static_cast<double>(most));
+  Eigen::SelfAdjointEigenSolver<Mat3> solver;
+  solver.computeDirect(moments.covariance);
+  if (solver.eigenvectors().allFinite()) {
+    best.normal = solver.eigenvectors().col(0).cast<float>();
+    best.offset = best.normal.dot(moments.mean.cast<float>());
   }
   std::size_t near = 0;
   for (std::size_t i = 0; i < count; ++i) {

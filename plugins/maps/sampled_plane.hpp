@@ -7,24 +7,19 @@
 
 #include "aslio/core/lie.hpp"
 #include "aslio/toolkit/block_pool.hpp"
+#include "maps/plane_shape.hpp"
 
 namespace aslio::plugins {
 
 /// Sums of points and the plane through them. Coordinates are relative to the corner of a voxel [m].
 class SampledPlane {
  public:
-  /// The limits of a plane (docs/equations.md MAP-1): standard deviation across it [m], and how much wider it is in its
-  /// narrower direction than thick (of variances).
-  struct Limits {
-    float thickness = 0;
-    float edge = 1;  ///< of the coarsest voxels, which bound the rounding of the sums [m]
-  };
-
   void clear() { *this = {}; }
   /// `toward`: the direction it is seen in, of any length; zero if not known.
   void add(const Eigen::Vector3f& p, const Eigen::Vector3f& toward);
-  /// Fits the plane to the points so far; false if they are none.
-  bool fit(const Limits& limits);
+  /// Fits the plane to the points so far; false if they are none. `edge`: of the coarsest voxels [m], which bounds the
+  /// rounding of the sums; that of `limits` is not used.
+  bool fit(PlaneLimits limits, double edge);
 
   std::uint32_t count() const { return count_; }
   /// Count from which another fit is worth its time.
@@ -39,7 +34,9 @@ class SampledPlane {
   /// one axis.
   float reach(const Eigen::Vector3f& p) const;
   /// eq. MAP-2: `doubt` matches share the error of a point's.
-  double quality(const Eigen::Vector3f& p, double doubt) const;
+  double quality(const Eigen::Vector3f& p, double doubt) const {
+    return plane_quality(count_, doubt, p - mean_, normal_, along_, longest_, shortest_);
+  }
 
  private:
   std::uint32_t count_ = 0, next_fit_ = 0;

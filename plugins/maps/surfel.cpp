@@ -48,6 +48,7 @@ void Surfel::describe(config::Binder& b, Params& p) {
          "(0: all alike)");
   b.real("radius", p.radius, "m", {.above = 0.0}, "voxels farther than this from the sensor are forgotten");
   b.require(p.min_points <= p.max_points, "min_points", "must not exceed max_points");
+  b.require(p.min_cells <= p.cells * p.cells * p.cells, "min_cells", "must not exceed cells^3, the cells of a voxel");
   b.require(p.cell_points <= p.max_points, "cell_points", "must not exceed max_points");
   b.require(p.nearby == 0 || p.nearby == 6, "nearby", "must be 0 or 6");
 }

@@ -223,7 +223,7 @@ TEST_CASE("screen: the end of a range is found at the jolts of steps, which meet
           beyond.push_back(at);
         }
         recording[step - 2].acc.z() = sign * 20.0;  // on the way up, at times nearly there, and down
-        recording[step - 1].acc.z() = sign * (step % 4 == 0 ? 29.0 : 24.0);
+        recording[step - 1].acc.z() = sign * (step % 4 == 0 ? 28.0 : 24.0);
         recording[step + static_cast<std::size_t>(length)].acc.z() = sign * 15.5;
       }
       const Screened out = screened(recording);
@@ -240,6 +240,22 @@ TEST_CASE("screen: the end of a range is found at the jolts of steps, which meet
   }
 }
 
+TEST_CASE("screen: what is steep depends on the time between samples, and a gap before a peak is no step") {
+  // At 50 Hz a step of 6 m/s^2 from one sample to the next is no jolt, though its top is read four times.
+  auto slow = walk(12, 4000, 50);
+  for (std::size_t at = 100; at + 4 < slow.size(); at += 50)
+    for (std::size_t i = 0; i < 4; ++i) slow[at + i].acc.z() = 16.0;
+  CHECK(screened(slow).findings.acc_clipped == 0);
+  const auto torn = walk(13, 8000);
+  std::vector<ImuSample> gaps;
+  for (std::size_t i = 0; i < torn.size(); ++i) {
+    if (i % 400 >= 380) continue;
+    gaps.push_back(torn[i]);
+    if (i % 400 == 0) gaps.back().acc.z() = 16.0;
+  }
+  CHECK(screened(gaps).findings.acc_clipped == 0);
+}
+
 TEST_CASE("screen: peaks that differ, readings in coarse steps, and smooth turns have no end of a range") {
   auto recording = walk(10, 40000);
   std::mt19937_64 random(4);
@@ -253,6 +269,14 @@ TEST_CASE("screen: peaks that differ, readings in coarse steps, and smooth turns
   }
   SECTION("turns that are read in steps of 0.02 rad/s") {
     for (ImuSample& s : recording) s.gyro = (s.gyro / 0.02).array().round() * 0.02;
+  }
+  SECTION("vibration of one amplitude that is read in steps of 0.2 m/s^2 and 0.05 rad/s") {
+    for (std::size_t i = 0; i < recording.size(); ++i) {
+      const double swing = std::sin(2.31 * static_cast<double>(i));
+      const double noise = 1e-6 * static_cast<double>(pick(random, 0, 300'000));
+      recording[i].acc.z() = 0.2 * std::round((kG + 10 * swing + noise) / 0.2);
+      recording[i].gyro.x() = 0.05 * std::round(3 * swing / 0.05);
+    }
   }
   const Screened out = screened(recording);
   CHECK(out.warnings.empty());

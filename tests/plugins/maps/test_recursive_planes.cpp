@@ -164,4 +164,27 @@ TEST_CASE("recursive_planes: thickness grows with the noise") {
   noisy.map->set_noise_scale(3);
   noisy.floor(0, 1, 0.2, 60);
   CHECK(noisy.at_point({0.5, 0.5, 0.2}).valid);
+  // eq. NOI-2: what was too thick begins again.
+  voxel.floor(0, 1, 0.2, 400);
+  voxel.map->set_noise_scale(3);
+  voxel.floor(0, 1, 0.2, 60);
+  CHECK(voxel.at_point({0.5, 0.5, 0.2}).valid);
+}
+
+TEST_CASE("recursive_planes: a voxel no more than six times as wide as the noise is a plane once the noise is known") {
+  for (const double scale : {1.0, 2.5}) {
+    CAPTURE(scale);
+    EveryMap fixture;
+    const auto map = fixture.make("{type: recursive_planes, voxel: 0.3, levels: 1, thickness: 0.025}");
+    map->set_noise_scale(scale);
+    Uniform uniform(2);
+    std::vector<WorldPoint> points;
+    const Vec3 corner = -0.3 * Vec3(0.137, 0.223, 0.311);
+    for (int i = 0; i < 300; ++i)
+      points.push_back(at(corner + Vec3(uniform(0, 0.3), uniform(0, 0.3), 0.15 + uniform(-0.07, 0.07))));
+    map->insert(points, 1);
+    std::vector<Surface> found(1);
+    map->surfaces(std::vector<Vec3>{corner + Vec3(0.15, 0.15, 0.15)}, MapQuery{}, found);
+    CHECK(found[0].valid == (scale > 1));
+  }
 }

@@ -27,10 +27,12 @@ constexpr int kPlateau = 7;  // times: fewer happen by chance, at the peak of a 
 constexpr double kExtremeGyro = 1.0, kExtremeAcc = 15.0;  // [rad/s], [m/s^2]
 constexpr int kOthersVary = 3;
 /// The jolts of steps are clipped for a few samples each. A largest reading after a step, or after the one before it,
-/// that is as steep as this [rad/s], [m/s^2] is on the way to a peak beyond it; exactly the same one so many times is
-/// an end.
-constexpr double kSteepGyro = 0.5, kSteepAcc = 3.0;
-constexpr int kSteepHits = 4;
+/// that is as steep as this [rad/s, m/s^2 per second], and no less than this, is on the way to a peak beyond it.
+constexpr double kSteepGyro = 100.0, kSteepAcc = 600.0, kLeastSteepGyro = 0.1, kLeastSteepAcc = 0.5;
+/// Exactly the same largest reading so many times, and so many times as often as readings just below it, is an end:
+/// peaks that are read in coarse steps meet their largest reading again, too, and more often what is below it.
+constexpr int kSteepHits = 4, kPileUp = 3;
+constexpr double kJustBelow = 0.97;
 /// What all axes of a sensor repeat for so long is stuck.
 constexpr TimeNs kStuck = kSecond / 5;
 constexpr int kStuckRepeats = 5;
@@ -153,6 +155,7 @@ void ImuRepeats::forget() {
   held_.clear();
   axis_run_ = {};
   stuck_run_ = {};
+  peak_ = {};
 }
 
 /// Of what a sensor reads, as declared or as found; 0: not known.
@@ -176,22 +179,26 @@ void ImuRepeats::note_extremes(const ImuSample& sample) {
 
 /// Finds the end of a range at peaks that are too short to repeat it often.
 void ImuRepeats::note_steep_ends(const ImuSample& sample) {
+  const double dt = to_seconds(sample.t - last_->t);
   for (int axis = 0; axis < 6; ++axis) {
     const auto k = static_cast<std::size_t>(axis / 3);
-    bool& at_end = at_end_[static_cast<std::size_t>(axis)];
-    if ((k == 0 ? declared_.gyro : declared_.acc) > 0 || limit_[k] > 0) continue;
+    Peak& peak = peak_[static_cast<std::size_t>(axis)];
+    if ((k == 0 ? declared_.gyro : declared_.acc) > 0 || limit_[k] > 0) {
+      peak = {};
+      continue;
+    }
     const double size = std::abs(reading(sample, axis));
     const double step = std::abs(reading(sample, axis) - reading(*last_, axis));
-    const double steepest = std::max(step, std::exchange(last_step_[static_cast<std::size_t>(axis)], step));
+    const double steep = std::max(k == 0 ? kLeastSteepGyro : kLeastSteepAcc, dt * (k == 0 ? kSteepGyro : kSteepAcc));
+    const bool before = std::exchange(peak.steep, step >= steep);
     const bool extreme =
         size >= (k == 0 ? kExtremeGyro : kExtremeAcc) && size >= largest_[k] && size > kBeyondEnd * never_[k];
-    at_end = extreme && (steepest >= (k == 0 ? kSteepGyro : kSteepAcc) || (at_end && step == 0));
-    if (!at_end) continue;
-    if (size != end_[k]) {
-      end_[k] = size;
-      end_hits_[k] = 0;
-    }
-    if (++end_hits_[k] >= kSteepHits) limit_[k] = size;
+    peak.at_end = extreme && (before || peak.steep || (peak.at_end && step == 0));
+    End& end = end_[k];
+    if (peak.at_end && size != end.value) end = {size, 0, 0};
+    end.hits += peak.at_end ? 1 : 0;
+    end.below += size < end.value && size >= kJustBelow * end.value ? 1 : 0;
+    if (peak.at_end && end.hits >= kSteepHits && end.hits >= kPileUp * end.below) limit_[k] = size;
   }
 }
 
@@ -297,6 +304,7 @@ void ImuRepeats::push(const ImuSample& sample, std::vector<ImuSample>& out) {
     ++changed_count_;
   } else {
     axis_run_ = {};
+    peak_ = {};
     stuck_run_ = {Run{sample.t, 0}, Run{sample.t, 0}};
   }
   last_ = sample;
@@ -335,7 +343,7 @@ std::vector<std::string> ImuScreen::warnings() const {
   const auto warn = [&out](const char* sensor, double value, const char* unit, const char* key) {
     if (value > 0)
       out.push_back(
-          fmt::format("the {} stays at {:.6g} {} while others vary: it is taken for the end of its range; "
+          fmt::format("the {} ends at {:.6g} {} again and again: that is taken for the end of its range; "
                       "declare it in the sensor file (`{}: {:.6g}`)",
                       sensor, value, unit, key, value));
   };

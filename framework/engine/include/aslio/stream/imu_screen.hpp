@@ -87,6 +87,16 @@ class ImuRepeats {
     void take(bool same, TimeNs t);
   };
 
+  /// What may be the end of a sensor's range.
+  struct End {
+    double value = 0;         ///< the largest reading, met after a steep step
+    int hits = 0, below = 0;  ///< readings of exactly that size at steep peaks, and of a little less
+  };
+  /// Of an axis: whether the last step was steep, and whether the last reading was one of the hits.
+  struct Peak {
+    bool steep = false, at_end = false;
+  };
+
   double limit(int sensor) const;
   void note_extremes(const ImuSample& sample);
   void note_steep_ends(const ImuSample& sample);
@@ -99,14 +109,12 @@ class ImuRepeats {
   bool doubts_sensor(int sensor, const ImuSample& sample);
 
   ImuRange declared_;
-  std::array<double, 2> limit_{};      ///< as found, of gyro and accelerometer; 0: not
-  std::array<double, 2> never_{};      ///< up to here it was found, and larger readings came
-  std::array<double, 2> largest_{};    ///< reading of any axis
-  std::array<double, 2> end_{};        ///< the largest reading that a steep step met
-  std::array<int, 2> end_hits_{};      ///< readings of exactly that size
-  std::array<bool, 6> at_end_{};       ///< whether the last reading of an axis was one of them
-  std::array<double, 6> last_step_{};  ///< of an axis, from the reading before, its size
-  std::optional<ImuSample> last_;      ///< the newest that was pushed
+  std::array<double, 2> limit_{};    ///< as found, of gyro and accelerometer; 0: not
+  std::array<double, 2> never_{};    ///< up to here it was found, and larger readings came
+  std::array<double, 2> largest_{};  ///< reading of any axis
+  std::array<End, 2> end_{};
+  std::array<Peak, 6> peak_{};
+  std::optional<ImuSample> last_;  ///< the newest that was pushed
   std::vector<ImuSample> held_;
   std::array<Run, 6> axis_run_{};   ///< of a reading of one axis
   std::array<Run, 2> stuck_run_{};  ///< of all axes of a sensor
