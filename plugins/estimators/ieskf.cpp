@@ -141,7 +141,7 @@ bool Ieskf::spreads(const WindowInformation& fresh) {
     case Redeskew::every_iteration:
       break;
     case Redeskew::once_registered:
-      spreading_ = spreading_ || rms <= params_.redeskew_below;
+      spreading_ = spreading_ || rms <= params_.redeskew_below * sigma_ / params_.sigma;
       break;
     case Redeskew::until_converged:
       spreading_ = spreading_ && rms <= (1.0 - params_.redeskew_fall) * before;

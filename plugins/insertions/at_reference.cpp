@@ -4,7 +4,12 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "aslio/core/csv.hpp"
 #include "aslio/core/errors.hpp"
@@ -21,9 +26,29 @@ constexpr TimeNs kMaxGap = kSecond / 5;
       fmt::format("{}:{}: {} '{}' is not a number", table.path.string(), table.lines[row], column, cell.substr(0, 40)));
 }
 
+constexpr std::array<const char*, 8> kColumns = {"t", "px", "py", "pz", "qx", "qy", "qz", "qw"};
+
+/// A trajectory of the TUM benchmark as a table: eight numbers in a line, `#` begins a comment.
+CsvTable read_tum(const std::string& file) {
+  CsvTable table{.path = file, .header = {kColumns.begin(), kColumns.end()}, .rows = {}, .lines = {}};
+  std::ifstream in(file);
+  if (!in) throw DataError(fmt::format("{}: cannot be opened", file));
+  std::string line;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::vector<std::string> cells{std::istream_iterator<std::string>(words), {}};
+    if (cells.empty()) continue;
+    if (cells.size() != kColumns.size())
+      throw DataError(
+          fmt::format("{}:{}: {} values, a pose has 8: t px py pz qx qy qz qw", file, number, cells.size()));
+    table.rows.push_back(std::move(cells));
+    table.lines.push_back(number);
+  }
+  return table;
+}
+
 Trajectory read_reference(const std::string& file) {
-  static constexpr std::array<const char*, 8> kColumns = {"t", "px", "py", "pz", "qx", "qy", "qz", "qw"};
-  const CsvTable table = read_csv(file);
+  const CsvTable table = file.ends_with(".tum") ? read_tum(file) : read_csv(file);
   std::array<std::size_t, kColumns.size()> columns{};
   for (std::size_t c = 0; c < columns.size(); ++c) columns.at(c) = table.column(kColumns.at(c));
   std::vector<StampedPose> poses;
@@ -48,9 +73,10 @@ Trajectory read_reference(const std::string& file) {
 }  // namespace
 
 void InsertAtReference::describe(config::Binder& b, Params& p) {
-  b.text("file", p.file,
-         "table with the columns t, px, py, pz, qx, qy, qz, qw of T_W_I, as the truth.csv of a simulated recording; "
-         "empty: as on_exit. The path is relative to the working directory");
+  b.text(
+      "file", p.file,
+      "T_W_I: a table with the columns t, px, py, pz, qx, qy, qz, qw, as the truth.csv of a simulated recording, or a "
+      "trajectory NAME.tum; empty: as on_exit. The path is relative to the working directory");
 }
 
 InsertAtReference::InsertAtReference(const Params& params, const BuildContext& context)

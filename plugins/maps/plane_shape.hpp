@@ -12,6 +12,8 @@ namespace aslio::plugins {
 /// Of the grid against the origin, in voxels: walls stand at round numbers, and a wall in the face between two voxels
 /// has half of its points in each.
 inline const Vec3 kGridOffset{0.137, 0.223, 0.311};
+/// Sine of the angle between view and plane below which the side it is seen from is not certain: 6 deg. eq. MAP-4.
+inline constexpr float kGrazing = 0.1F;
 /// Growth of the count of points that is worth a new fit.
 inline constexpr double kRefit = 1.1;
 /// Error of a variance summed up in floats, in units of the squared edge of a voxel: what is below it is rounding.

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "maps/octant.hpp"
+
 namespace aslio::plugins {
 
 namespace {
@@ -13,24 +15,11 @@ namespace {
 constexpr std::size_t kSurfacesPerChunk = 256;
 /// Distance from a plane within which a point is one of its own, in thicknesses.
 constexpr float kOwn = 3;
-/// Sine of the angle between view and plane below which the side it is seen from is not certain: 6 deg.
-constexpr float kGrazing = 0.1F;
 /// Squared distance from the mean of a plane's points within it, in variances: a ray farther out passes beside it.
 constexpr float kInside = 3;
 /// Samples without a plane after which a voxel of the finest level is left alone.
 constexpr std::uint8_t kAttempts = 8;
 constexpr std::uint32_t kNone = CellIndex::kNone;
-
-/// Which of eight halves `p` lies in, about the corner `low` with the half edge `half`; moves `low` to its corner.
-std::uint32_t descend(const Eigen::Vector3f& p, float half, Eigen::Vector3f& low) {
-  std::uint32_t octant = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (p[axis] < low[axis] + half) continue;
-    octant |= 1U << axis;
-    low[axis] += half;
-  }
-  return octant;
-}
 
 }  // namespace
 
@@ -184,7 +173,7 @@ bool RecursivePlanes::add_to_plane(Node& node, const Seen& seen) {
   if (node.plane.count() >= static_cast<std::uint32_t>(params_.max_points)) return false;
   node.plane.add(seen.p, seen.view.toward());
   if (node.plane.count() < node.plane.next_fit()) return true;
-  if (!node.plane.fit(limits(), params_.voxel)) open_again(node);  // it was none
+  if (!node.plane.fit(thickness_, aspect_, params_.voxel)) open_again(node);  // it was none
   return true;
 }
 
@@ -247,7 +236,7 @@ void RecursivePlanes::judge(Node& node, const Place& place) {
   if (found) {
     for (std::size_t i = 0; i < count; ++i)
       if (lies_on[i] != 0) node.plane.add(seen(i).p, seen(i).view.toward());
-    found = node.plane.fit(limits(), params_.voxel);
+    found = node.plane.fit(thickness_, aspect_, params_.voxel);
   }
   if (found) {
     node.kind = Kind::plane;

@@ -101,7 +101,6 @@ class RecursivePlanes final : public Map {
   bool falsified(Node& node) const;
   void open_again(Node& node);
   void judge_again(Node& node);
-  PlaneLimits limits() const { return {thickness_, aspect_, 0}; }
   void keep(Node& node, const Seen& seen);
   void judge(Node& node, const Place& place);
   bool hand_on(Node& node, const Place& place, const Seen& seen);

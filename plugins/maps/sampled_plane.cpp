@@ -56,13 +56,13 @@ void SampledPlane::add(const Eigen::Vector3f& p, const Eigen::Vector3f& toward) 
 }
 
 // eq. MAP-1.
-bool SampledPlane::fit(PlaneLimits limits, double edge) {
+bool SampledPlane::fit(double thickness, double aspect, double edge) {
   const double n = count_;
   next_fit_ = static_cast<std::uint32_t>(kRefit * n) + 1;
   if (count_ < 4) return false;
   const Moments moments = moments_of(sum_, squares_, n);
-  limits.rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2)) * edge * edge;
-  const PlaneShape shape = plane_shape(moments.covariance, limits);
+  const double rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2)) * edge * edge;
+  const PlaneShape shape = plane_shape(moments.covariance, {thickness, aspect, rounding});
   if (!shape.planar) return false;
   mean_ = moments.mean.cast<float>();
   normal_ = shape.normal.cast<float>();

@@ -17,9 +17,9 @@ class SampledPlane {
   void clear() { *this = {}; }
   /// `toward`: the direction it is seen in, of any length; zero if not known.
   void add(const Eigen::Vector3f& p, const Eigen::Vector3f& toward);
-  /// Fits the plane to the points so far; false if they are none. `edge`: of the coarsest voxels [m], which bounds the
-  /// rounding of the sums; that of `limits` is not used.
-  bool fit(PlaneLimits limits, double edge);
+  /// Fits the plane to the points so far; false if they are none. `thickness`, `aspect`: of PlaneLimits; `edge`: of the
+  /// coarsest voxels [m], which bounds the rounding of the sums.
+  bool fit(double thickness, double aspect, double edge);
 
   std::uint32_t count() const { return count_; }
   /// Count from which another fit is worth its time.

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "maps/octant.hpp"
 #include "maps/plane_shape.hpp"
 
 namespace aslio::plugins {
@@ -22,24 +23,11 @@ constexpr std::uint32_t kNone = CellIndex::kNone;
 constexpr double kRoundingPoints = 500;
 /// Of so many points the sums err by less than what a LiDAR's noise leaves; of a million, they lose whole points.
 constexpr double kMaxPoints = 10000;
-/// Sine of the angle between view and plane below which the side it is seen from is not certain: 6 deg.
-constexpr float kGrazing = 0.1F;
 /// Distance from a plane within which a point seen along it is one of its own, in thicknesses.
 constexpr float kOwn = 2;
 /// Of a unit vector, and how many of them a sum of 16 bits holds.
 constexpr float kViewSteps = 127;
 constexpr std::uint32_t kMaxViews = 256;
-
-/// Which of eight halves `p` lies in, about the corner `low` with the half edge `half`; moves `low` to its corner.
-std::uint32_t descend(const Eigen::Vector3f& p, float half, Eigen::Vector3f& low) {
-  std::uint32_t octant = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (p[axis] < low[axis] + half) continue;
-    octant |= 1U << axis;
-    low[axis] += half;
-  }
-  return octant;
-}
 
 Eigen::Vector3f sum_of(const std::array<std::int16_t, 3>& view) { return Eigen::Vector3f(view[0], view[1], view[2]); }
 

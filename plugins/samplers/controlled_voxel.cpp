@@ -25,12 +25,26 @@ double seconds_of(const SampleBatch& batch, PointUses uses) {
 
 }  // namespace
 
+/// Short windows share a slot, so that the ring covers scale_periods however short they are.
+void LeafController::remember(const VoxelCount& count) {
+  if (slots_ > 0) {
+    VoxelCount& last = seen_[(slots_ - 1) % kSlots];
+    if (last.periods + count.periods <= params_.scale_periods / 32) {
+      const double periods = last.periods + count.periods;
+      last.range = (last.range * last.periods + count.range * count.periods) / periods;
+      last.periods = periods;
+      return;
+    }
+  }
+  seen_[slots_++ % kSlots] = count;
+}
+
 /// Mean of the median ranges of the windows of the last `scale_periods`, by their length.
 double LeafController::scale() const {
   double sum = 0, time = 0;
-  const std::size_t known = std::min(windows_, kWindows);
+  const std::size_t known = std::min(slots_, kSlots);
   for (std::size_t back = 1; back <= known; ++back) {
-    const VoxelCount& one = seen_[(windows_ - back) % kWindows];
+    const VoxelCount& one = seen_[(slots_ - back) % kSlots];
     const double weight = std::min(one.periods, params_.scale_periods - time);
     if (!(weight > 0.0)) break;
     sum += weight * one.range;
@@ -48,7 +62,7 @@ double LeafController::set_point() const {
 
 /// eq. SMP-2.
 void LeafController::observe(const VoxelCount& count) {
-  seen_[windows_++ % kWindows] = count;
+  remember(count);
   const double wanted = set_point(), error = count.per_period - wanted, change = error - error_.value_or(error);
   error_ = error;
   const double p_gain =

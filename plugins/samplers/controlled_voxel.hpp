@@ -44,15 +44,16 @@ class LeafController {
   void observe(const VoxelCount& count);
 
  private:
-  static constexpr std::size_t kWindows = 64;  // that the scale remembers
+  static constexpr std::size_t kSlots = 64;  // that the scale remembers: of scale_periods / 32 each, or of one window
 
+  void remember(const VoxelCount& count);
   double scale() const;
 
   Params params_;
   double leaf_;
-  std::optional<double> error_;              ///< of the last window
-  std::array<VoxelCount, kWindows> seen_{};  ///< a ring
-  std::size_t windows_ = 0;                  ///< seen so far
+  std::optional<double> error_;            ///< of the last window
+  std::array<VoxelCount, kSlots> seen_{};  ///< a ring
+  std::size_t slots_ = 0;                  ///< filled so far
 };
 
 /// `voxel` with the leaf of a LeafController. The leaf of a window is set by the counts of those before it, so that one

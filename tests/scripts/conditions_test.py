@@ -10,7 +10,7 @@ import study_folder
 
 
 class Conditions(StudyCase):
-    def results(self, effect, lost=()):
+    def results(self, effect, lost=(), both=False):
         """Ratios of `adaptive` to `steady`: exp(effect(calibration, rate, map)), six worlds, 2 x 2 x 2 conditions."""
         draw = random.Random(11)
         runs = []
@@ -23,11 +23,12 @@ class Conditions(StudyCase):
                             arm = base * math.exp(effect(calibration, rate, kind) + draw.gauss(0, 0.05))
                             gone = (scene, seed, calibration, rate, kind) in lost
                             runs.append((name, seed, f"adaptive_{kind}", None, "lost") if gone else (name, seed, f"adaptive_{kind}", arm))
-                            runs.append((name, seed, f"steady_{kind}", base))
+                            steady = (name, seed, f"steady_{kind}")
+                            runs.append((*steady, None, "lost") if gone and both else (*steady, base))
         return self.study("where_it_pays", runs)
 
     def conditions(self, folder):
-        return conditions.ratios(study_folder.Study(folder), "adaptive", "steady", "ate_m", ["indoor_1", "indoor_3"])[0]
+        return conditions.ratios(study_folder.Study(folder), "adaptive", "steady", "ate_m", ["indoor_1", "indoor_3"])
 
     def test_a_condition_pays_where_its_interval_lies_below_1(self):
         folder = self.results(lambda calibration, rate, kind: -0.5 if rate == "imu50" else 0.5 if kind == "points" else 0.0)
@@ -39,14 +40,22 @@ class Conditions(StudyCase):
         self.assertAlmostEqual(float(rows["unknown", "imu50", "planes"][4]), math.exp(-0.5), delta=0.05)
 
     def test_a_factor_that_does_nothing_is_not_shown(self):
-        folder = self.results(lambda calibration, rate, kind: -0.4 if rate == "imu50" else 0.4)
-        found = {level: (effect, low, high) for _, level, effect, low, high in conditions.effects(self.conditions(folder), 500)}
-        self.assertAlmostEqual(found["imu50"][0], -0.4, delta=0.05)
-        self.assertLess(found["imu50"][2], 0)
-        self.assertGreater(found["imu200"][1], 0)
-        for level in ("known", "planes"):
-            self.assertLess(found[level][1], 0.02)
-            self.assertGreater(found[level][2], -0.02)
+        conditions_found = self.conditions(self.results(lambda calibration, rate, kind: -0.4 if rate == "imu50" else 0.4))
+        first, last, worlds = conditions.contrasts(conditions_found, 1)
+        self.assertEqual((first, last, len(worlds)), ("imu50", "imu200", 6))
+        mean, low, _ = conditions.interval(worlds.values())
+        self.assertAlmostEqual(mean, 0.8, delta=0.05)
+        self.assertGreater(low, 0.7)
+        verdicts = [row[-1] for row in conditions.effect_rows(conditions_found, ["calibration", "rate", "map"])]
+        self.assertEqual(verdicts, ["not shown", "raises the ratio", "not shown"])
+
+    def test_a_condition_lost_by_both_arms_stays_in_the_table_and_biases_no_factor(self):
+        lost = {(scene, seed, "unknown", "imu50", "planes") for scene in ("indoor_1", "indoor_3") for seed in (81, 82, 83)}
+        found = self.conditions(self.results(lambda calibration, rate, kind: -1.0 if kind == "planes" else 0.0, lost, both=True))
+        rows = {tuple(row[:3]): row for row in conditions.condition_rows(found)}
+        self.assertEqual(rows["unknown", "imu50", "planes"][3:], [0, "-", "-", "not decided"])
+        mean, low, high = conditions.interval(conditions.contrasts(found, 0)[2].values())
+        self.assertTrue(low < 0 < high, (mean, low, high))
 
     def test_a_lost_run_counts_twice(self):
         lost = {("indoor_1", seed, "known", "imu50", "planes") for seed in (81, 82, 83)}

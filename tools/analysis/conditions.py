@@ -3,9 +3,10 @@
 
 The name of a sequence is that of its scene and the levels of its factors, `indoor_1_known_imu50_turn250`; a method is its
 arm and, where there are several bases, the level of one more factor, `adaptive_planes`. A world is a scene and a seed. The
-figure of a condition is the mean over its worlds of log(arm / base), with its 95 % interval by Student's t. The main effect
-of a level is the mean of the conditions that have it less the mean of all, with its 95 % interval by bootstrap over the
-worlds. A lost run counts as twice the error of the other arm. The rules of where_it_pays and starvation.
+figure of a condition is the mean over its worlds of log(arm / base), with its 95 % interval by Student's t. A factor matters
+if its contrast does: per world, the mean over the other factors of its last level less its first, with the 95 % interval
+over the worlds by Student's t. Levels are in the order of the study. A lost run counts as twice the error of the other arm;
+where both are lost the pair is left out and counted. The rules of where_it_pays and starvation.
 """
 import argparse
 import collections
@@ -20,8 +21,6 @@ from pairs import log_ratio, students_t
 from report import markdown_table
 
 CONFIDENCE = 0.95
-DRAWS = 4000
-SEED = 1
 
 
 def split_name(name, scenes):
@@ -33,28 +32,22 @@ def split_name(name, scenes):
 
 
 def ratios(study, arm, base, metric, scenes):
-    """{levels: {world: log ratio}}; the level of the methods comes last, where their names have one."""
-    errors = {}
-    for run in study.runs:
-        errors[run.method, run.data] = (run, run.value(metric))
-    found, both_lost = collections.defaultdict(dict), 0
-    for (method, data), (run, value) in errors.items():
+    """{levels: {world: log ratio, None where both are lost}}; the level of the methods comes last, where they have one."""
+    runs = {(run.method, run.data): run for run in study.runs}
+    found = collections.defaultdict(dict)
+    for (method, data), run in runs.items():
         matched = re.fullmatch(f"{re.escape(arm)}(?:_(.+))?", method)
-        other = matched and (f"{base}_{matched[1]}" if matched[1] else base, data)
-        if not matched or other not in errors:
+        other = matched and runs.get((f"{base}_{matched[1]}" if matched[1] else base, data))
+        if not other:
             continue
-        against = errors[other][1]
+        value, against = run.value(metric), other.value(metric)
         if value is None or against is None or value <= 0 or against <= 0:
-            raise study_folder.FolderError(f"{study.folder}: {data}: no figure {metric} of {method} and {other[0]}")
+            raise study_folder.FolderError(f"{study.folder}: {data}: no figure {metric} of {method} and {other.method}")
         scene, levels = split_name(run.sequence, scenes)
-        ratio = log_ratio(value, against)
-        if ratio is None:
-            both_lost += 1
-            continue
-        found[levels + ((matched[1],) if matched[1] else ())][scene, run.seed] = ratio
+        found[levels + ((matched[1],) if matched[1] else ())][scene, run.seed] = log_ratio(value, against)
     if not found:
         raise study_folder.FolderError(f"{study.folder}: no run of {arm} beside one of {base}; there are {', '.join(study.methods)}")
-    return dict(found), both_lost
+    return dict(found)
 
 
 def interval(values):
@@ -68,52 +61,51 @@ def verdict(low, high, below="pays", above="harms", neither="not decided"):
     return below if high < 0 else above if low > 0 else neither
 
 
+def row(values, *words):
+    values = [value for value in values if value is not None]
+    if len(values) < 2:
+        return [len(values), "-", "-", "not decided"]
+    mean, low, high = interval(values)
+    return [len(values), f"{math.exp(mean):.3f}", f"{math.exp(low):.3f} to {math.exp(high):.3f}", verdict(low, high, *words)]
+
+
 def condition_rows(conditions):
     for levels, worlds in conditions.items():
-        if len(worlds) < 2:
-            yield [*levels, len(worlds), "-", "-", "not decided"]
-            continue
-        mean, low, high = interval(worlds.values())
-        yield [*levels, len(worlds), f"{math.exp(mean):.3f}", f"{math.exp(low):.3f} to {math.exp(high):.3f}", verdict(low, high)]
+        yield [*levels, *row(worlds.values())]
 
 
-def effects(conditions, draws=DRAWS):
-    """(factor, level, effect, low, high) of every level; of one world drawn again and again all conditions come along."""
-    worlds = sorted({world for values in conditions.values() for world in values})
-    table = np.array([[values.get(world, np.nan) for world in worlds] for values in conditions.values()])
-    levels = list(conditions)
-    drawn = np.random.default_rng(SEED).integers(0, len(worlds), (draws, len(worlds)))
-    with np.errstate(invalid="ignore"):
-        means = np.nanmean(table[:, drawn], axis=2)  # condition, draw
-    middle = np.nanmean(table, axis=1)
-    for factor in range(len(levels[0])):
-        for level in dict.fromkeys(line[factor] for line in levels):
-            at = np.array([line[factor] == level for line in levels])
-            if at.all():
-                continue
-            spread = np.nanmean(means[at], axis=0) - np.nanmean(means, axis=0)
-            low, high = np.nanquantile(spread, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2])
-            yield factor, level, np.nanmean(middle[at]) - np.nanmean(middle), low, high
+def contrasts(conditions, factor):
+    """(first level, last level, {world: contrast}); a pair of conditions that differ in this factor alone counts if both have a ratio."""
+    order = list(dict.fromkeys(levels[factor] for levels in conditions))
+    found = collections.defaultdict(list)
+    for levels, worlds in conditions.items():
+        partner = conditions.get(levels[:factor] + (order[-1],) + levels[factor + 1:], {})
+        for world, ratio in worlds.items():
+            if levels[factor] == order[0] and ratio is not None and partner.get(world) is not None:
+                found[world].append(partner[world] - ratio)
+    return order[0], order[-1], {world: float(np.mean(values)) for world, values in found.items()}
 
 
 def effect_rows(conditions, names):
-    for factor, level, effect, low, high in effects(conditions):
-        yield [names[factor], level, f"{math.exp(effect):.3f}", f"{math.exp(low):.3f} to {math.exp(high):.3f}",
-               verdict(low, high, "lowers the ratio", "raises the ratio", "not shown")]
+    for factor, name in enumerate(names):
+        first, last, worlds = contrasts(conditions, factor)
+        if first != last:
+            yield [name, f"{first} to {last}", *row(worlds.values(), "lowers the ratio", "raises the ratio", "not shown")]
 
 
 def show(study, options, pair):
     arm, base = pair.split(":")
-    conditions, both_lost = ratios(study, arm, base, options.metric, options.scenes)
+    conditions = ratios(study, arm, base, options.metric, options.scenes)
     count = {len(levels) for levels in conditions}
     if len(count) != 1:
         raise study_folder.FolderError(f"{study.folder}: the sequences have {' and '.join(map(str, sorted(count)))} levels: every one needs as many")
+    both_lost = sum(ratio is None for worlds in conditions.values() for ratio in worlds.values())
     names = options.factors or [f"factor {i + 1}" for i in range(count.pop())]
     if len(names) != len(next(iter(conditions))):
         raise study_folder.FolderError(f"--factors names {len(names)} factors, there are {len(next(iter(conditions)))}")
     print(f"{arm} to {base}, {both_lost} pairs with both lost:\n")
     print(markdown_table([*names, "worlds", "ratio", "95 % interval", "verdict"], list(condition_rows(conditions))))
-    print(markdown_table(["factor", "level", "times the mean ratio", "95 % interval", "verdict"], list(effect_rows(conditions, names))))
+    print(markdown_table(["factor", "from to", "worlds", "times the ratio", "95 % interval", "verdict"], list(effect_rows(conditions, names))))
 
 
 def main(arguments):

@@ -38,9 +38,9 @@ USUAL = "ate_m,ate_deg,rpe,end_to_end_m,updates,cpu_s_per_s"
 
 
 FOOTNOTE = (
-    "End to end: `x` where a run failed before a tenth of the way, `-` where it failed later or has no figure. It has failed when its "
-    "position is off by more than 2 m and 5 % of the way travelled (laid on the truth over the first second), is not finite, or no "
-    "update has been accepted for more than 1 s.")
+    "End to end: `x` where a run failed before a tenth of the way, `-` where it failed later or has no figure. It has failed when no update "
+    "has been accepted for more than 1 s, or its position is not finite or off by more than 2 m and 5 % of the way travelled. The position is "
+    "laid on the truth over the first second.")
 
 
 COSTS = ("rate_hz", "cpu_s_per_s", "peak_rss_mb")

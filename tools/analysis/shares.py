@@ -3,8 +3,9 @@
 
 Each world has a run with the IMU of a data sheet and one with a perfect IMU. A share is the median over the worlds of what
 a change takes away, over the median error of the baseline with the IMU of a data sheet. Its 95 % interval is that of the
-median by bootstrap over the worlds; a share is shown if it leaves out 0. A lost run counts as an infinite error: what it
-takes away or adds is infinite, too, and the median bears it.
+median by bootstrap over the worlds; a share is shown if it leaves out 0. The window's is the largest of all pairs, so its
+interval is that of 1 - 0.05 / pairs (Bonferroni). A lost run counts as an infinite error, which the median bears; a world
+that both arms lose is left out and counted.
 """
 import argparse
 import itertools
@@ -16,11 +17,12 @@ import sys
 from numerics import np
 
 import study_folder
+from pairs import LEAST_PAIRS
 from report import markdown_table
 
 DRAWS = 10000
 SEED = 1
-HEADER = ["share", "worlds", "taken away [mm]", "95 % interval [mm]", "of the error", "verdict"]
+HEADER = ["share", "worlds", "both lost", "taken away [mm]", "95 % interval [mm]", "of the error", "verdict"]
 
 
 def errors(study, metric, ending):
@@ -37,36 +39,43 @@ def errors(study, metric, ending):
     return found
 
 
-def difference(before, after):
-    """What is taken away; nothing where both are lost."""
-    return 0.0 if math.isinf(before) and math.isinf(after) else before - after
+def differences(before, after):
+    """What is taken away in each world, and the number of worlds that both lose."""
+    pairs = [(before[world], after[world]) for world in before if world in after]
+    found = [a - b for a, b in pairs if not (math.isinf(a) and math.isinf(b))]
+    return found, len(pairs) - len(found)
 
 
-def interval(differences):
-    """Median of the differences, and its 95 % interval by bootstrap."""
-    values = np.asarray(differences, float)
-    draw = np.random.default_rng(SEED).integers(0, len(values), (DRAWS, len(values)))
-    medians = np.sort(np.median(values[draw], axis=1))
-    return statistics.median(differences), float(medians[int(0.025 * DRAWS)]), float(medians[int(0.975 * DRAWS) - 1])
+def interval(values, tests=1):
+    """Median, and its 95 % interval by bootstrap, wider for the largest of several; NaN where infinities of both signs meet."""
+    sample = np.asarray(values, float)
+    draw = np.random.default_rng(SEED).integers(0, len(sample), (DRAWS, len(sample)))
+    with np.errstate(invalid="ignore"):
+        medians = np.median(sample[draw], axis=1)
+    if np.isnan(medians).any():
+        return statistics.median(values), math.nan, math.nan
+    medians.sort()
+    tail = 0.025 / tests
+    return statistics.median(values), float(medians[int(tail * DRAWS)]), float(medians[int((1 - tail) * DRAWS) - 1])
 
 
-def row(name, before, after, whole):
-    worlds = [world for world in before if world in after]
-    if not worlds:
-        return [name, 0, "-", "-", "-", "no pair"]
-    middle, low, high = interval([difference(before[world], after[world]) for world in worlds])
-    shown = "shown" if low > 0 or high < 0 else "not shown"
-    return [name, len(worlds), f"{1e3 * middle:.1f}", f"{1e3 * low:.1f} to {1e3 * high:.1f}", f"{middle / whole:.0%}", shown]
+def row(name, before, after, whole, tests=1):
+    found, both_lost = differences(before, after)
+    if not found:
+        return [name, 0, both_lost, "-", "-", "-", "no pair"]
+    middle, low, high = interval(found, tests)
+    shown = "not decided" if math.isnan(low) or len(found) < LEAST_PAIRS else "shown" if low > 0 or high < 0 else "not shown"
+    return [name, len(found), both_lost, f"{1e3 * middle:.1f}", f"{1e3 * low:.1f} to {1e3 * high:.1f}", f"{middle / whole:.0%}", shown]
 
 
 def largest_difference(data, methods, whole):
     """The two windows whose median difference is largest, as a row; the larger error is the one before."""
     def median_of(pair):
-        before, after = (data[method] for method in pair)
-        return statistics.median(difference(before[world], after[world]) for world in before if world in after)
+        found, _ = differences(data[pair[0]], data[pair[1]])
+        return statistics.median(found) if found else -math.inf
 
     before, after = max(itertools.permutations(methods, 2), key=median_of)
-    return row(f"window: {before} to {after}", data[before], data[after], whole)
+    return row(f"window: {before} to {after}", data[before], data[after], whole, math.comb(len(methods), 2))
 
 
 def rows(study, options):
@@ -80,7 +89,7 @@ def rows(study, options):
     if not 0 < whole < math.inf:
         raise study_folder.FolderError(f"{study.folder}: the median error of {options.baseline} is {whole}: it has no shares")
     true_map = options.windows[0]
-    yield [f"all: {options.baseline}", len(sheet[options.baseline]), f"{1e3 * whole:.1f}", "-", "100%", "-"]
+    yield [f"all: {options.baseline}", len(sheet[options.baseline]), "-", f"{1e3 * whole:.1f}", "-", "100%", "-"]
     for data, ending in ((sheet, options.worlds[0]), (perfect, options.worlds[1])):
         yield [*row(f"map{ending}", data[options.baseline], data[true_map], whole)]
     yield row("IMU, on the true map", sheet[true_map], perfect[true_map], whole)
@@ -89,7 +98,7 @@ def rows(study, options):
         yield [f"{found[0]}{ending}", *found[1:]]
     for data, ending in ((sheet, options.worlds[0]), (perfect, options.worlds[1])):
         left = statistics.median(data[true_map].values())
-        yield [f"left on the true map{ending}", len(data[true_map]), f"{1e3 * left:.1f}", "-", f"{left / whole:.0%}", "-"]
+        yield [f"left on the true map{ending}", len(data[true_map]), "-", f"{1e3 * left:.1f}", "-", f"{left / whole:.0%}", "-"]
 
 
 def main(arguments):

@@ -43,12 +43,27 @@ std::string table() {
   return text;
 }
 
+/// The same as a trajectory of the TUM benchmark.
+std::string tum_lines() {
+  std::string text = "# t px py pz qx qy qz qw\n\n";
+  for (TimeNs t = kEpoch; t <= kEpoch + 2 * kSecond; t += 5 * kMs) {
+    const Pose pose = truth(t);
+    const Eigen::Quaterniond q(pose.R);
+    text += fmt::format("{}.{:09} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g}\n", t / kSecond, t % kSecond,
+                        pose.p.x(), pose.p.y(), pose.p.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  return text;
+}
+
 }  // namespace
 
 TEST_CASE("at_reference: a wall that the drifting filter sees stays where it was first seen") {
   const TemporaryFolder folder;
   BuildEnvironment environment;
-  plugins::InsertAtReference insertion({folder.write("truth.csv", table()).string()}, environment.context());
+  const bool tum = GENERATE(false, true);
+  const std::string name = tum ? "truth.tum" : "truth.csv";
+  plugins::InsertAtReference insertion({folder.write(name, tum ? tum_lines() : table()).string()},
+                                       environment.context());
   RecordingMap map;
   const Drifting filter;
   // A corner of the true world, and where the first update ties the frames.
@@ -72,7 +87,7 @@ TEST_CASE("at_reference: a wall that the drifting filter sees stays where it was
   }
   insertion.finish(map);
   REQUIRE(map.given.size() == 30);
-  CHECK_THAT(environment.logged(), Catch::Contains("truth.csv") && Catch::Contains("no result of a method"));
+  CHECK_THAT(environment.logged(), Catch::Contains(name) && Catch::Contains("no result of a method"));
   for (const WorldPoint& point : map.given) CHECK((point.p_W - T_W_R * corner_R).norm() < 1e-6);
 }
 
@@ -89,9 +104,9 @@ TEST_CASE("at_reference: the truth of other data is refused with its file and ti
 TEST_CASE("at_reference: errors of a table name the file, the line and the value") {
   const TemporaryFolder folder;
   BuildEnvironment environment;
-  const auto complaint = [&](const std::string& text) {
+  const auto complaint = [&](const std::string& text, const std::string& name = "bad.csv") {
     try {
-      plugins::InsertAtReference({folder.write("bad.csv", text).string()}, environment.context());
+      plugins::InsertAtReference({folder.write(name, text).string()}, environment.context());
     } catch (const DataError& error) {
       return std::string(error.what());
     }
@@ -103,5 +118,7 @@ TEST_CASE("at_reference: errors of a table name the file, the line and the value
   CHECK_THAT(complaint(header + "1.x,0,0,0,0,0,0,1\n"), Catch::Contains("bad.csv:2") && Catch::Contains("1.x"));
   CHECK_THAT(complaint(header + "1.5,0,0,0,0,0,0,0\n"), Catch::Contains("quaternion"));
   CHECK_THAT(complaint("t,px,py,pz\n1,0,0,0\n"), Catch::Contains("qx"));
+  CHECK_THAT(complaint("# t\n1 0 0 0 0 0 1\n", "bad.tum"), Catch::Contains("bad.tum:2") && Catch::Contains("7 values"));
+  CHECK_THAT(complaint("1 0 0 x 0 0 0 1\n", "bad.tum"), Catch::Contains("bad.tum:1") && Catch::Contains("pz 'x'"));
   CHECK_THAT(complaint(header + "2,0,0,0,0,0,0,1\n1,0,0,0,0,0,0,1\n"), Catch::Contains("not later"));
 }

@@ -112,6 +112,20 @@ TEST_CASE("controlled_voxel: short windows move the leaf as far as one long one 
   CHECK(sum == Approx(2000).epsilon(0.05));
 }
 
+TEST_CASE("controlled_voxel: short windows are remembered for as many periods as long ones") {  // eq. SMP-2
+  LeafController::Params params;
+  params.scale_periods = 20.0;
+  LeafController whole(params), parts(params);
+  for (int period = 0; period < 40; ++period) {
+    const double range = period < 25 ? 5.0 : 20.0;  // of the last 20 periods, 5 are of the narrow scene
+    whole.observe({.periods = 1.0, .per_period = 2000, .range = range});
+    for (int k = 0; k < 50; ++k) parts.observe({.periods = 0.02, .per_period = 2000, .range = range});
+  }
+  CHECK(parts.set_point() == Approx(whole.set_point()).epsilon(0.02));
+  for (int k = 0; k < 50 * 10; ++k) parts.observe({.periods = 0.02, .per_period = 2000, .range = 5.0});
+  CHECK(parts.set_point() < 0.9 * whole.set_point());
+}
+
 TEST_CASE("controlled_voxel: the set-point rises with the median range, over the last periods") {  // eq. SMP-2
   LeafController::Params params;
   LeafController controller(params);
