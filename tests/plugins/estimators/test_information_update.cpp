@@ -127,6 +127,25 @@ TEST_CASE("posterior covariance with history: the Joseph form of the gain that w
   CHECK(all.topLeftCorner<6, 6>().trace() < joseph.topLeftCorner<6, 6>().trace());
 }
 
+TEST_CASE("posterior covariance: what is known exactly keeps a variance of 0, whatever the rounding") {
+  // The length of g where it points straight down: a variance of 0 that rounding made -5.6e-42 refused every update.
+  StateMatrix P = some_covariance(0.7);
+  for (const double known : {0.0, -1e-42, -1e-20}) {
+    const int at = block::g + 2;
+    P.row(at).setConstant(known);
+    P.col(at).setConstant(known);
+    const Mat6 A = some_rows(30, 0.3, Mat3::Identity()).sums.A;
+    for (const auto rule : {HistoryCovariance::joseph, HistoryCovariance::new_only, HistoryCovariance::all}) {
+      const StateMatrix posterior = posterior_covariance<6>(P, pose_rows(), A, A, rule);
+      CHECK(posterior.diagonal().minCoeff() >= 0.0);
+      CHECK(posterior(at, at) == 0.0);
+    }
+  }
+  P(block::g + 2, block::g + 2) = -1e-6;  // an error, not rounding
+  CHECK(posterior_covariance<6>(P, pose_rows(), Mat6::Zero(), Mat6::Zero(), HistoryCovariance::all)(
+            block::g + 2, block::g + 2) < 0.0);
+}
+
 TEST_CASE("moments of the lag give the normal equations of rows that see velocity and rate too") {  // eq. DSK-3
   // h = [h_pose, -tau h_pose] C for every row, summed the long way.
   const StateMatrix P = some_covariance(0.4);

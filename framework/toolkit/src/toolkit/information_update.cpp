@@ -17,6 +17,15 @@ Eigen::Matrix<double, S, N> information_gain(const Eigen::Matrix<double, S, S>& 
   return P_c * lu.inverse();
 }
 
+/// What is known exactly has no variance, as the length of g where it points straight down. Rounding may put it below 0.
+template <class Square>
+void clear_rounding(Square& P) {
+  constexpr double rounding = 1e-12;  // squared units of the state; more below 0 is an error, for the caller to see
+  for (Eigen::Index i = 0; i < P.rows(); ++i) {
+    if (P(i, i) < 0 && P(i, i) > -rounding) P(i, i) = 0;
+  }
+}
+
 }  // namespace
 
 // eq. IESKF-2.
@@ -85,7 +94,9 @@ Eigen::Matrix<double, S, S> posterior_covariance(const Eigen::Matrix<double, S, 
     const Eigen::Matrix<double, S, N> used = information_gain<N, S>(P, C, A) * A;
     out.noalias() -= used * (C * P);
   }
-  return 0.5 * (out + out.transpose());
+  out = (0.5 * (out + out.transpose())).eval();
+  clear_rounding(out);
+  return out;
 }
 
 // The pose alone; what a window sees; and that together with states of the sensors (sensor_states.hpp).

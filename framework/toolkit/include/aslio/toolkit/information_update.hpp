@@ -105,8 +105,8 @@ double squared_innovation(const Eigen::Matrix<double, S, S>& P, const Eigen::Mat
                           const Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, 1>& b,
                           double weighted_sum);
 
-/// Posterior covariance when `A_new` comes from fresh and `A_all` from fresh and re-used residuals. eqs. IESKF-6,
-/// HIS-3.
+/// Posterior covariance when `A_new` comes from fresh and `A_all` from fresh and re-used residuals. A variance that
+/// rounding leaves below 0, by 1e-12 at most, is 0. eqs. IESKF-6, HIS-3.
 template <int N, int S = kStateDim>
 Eigen::Matrix<double, S, S> posterior_covariance(const Eigen::Matrix<double, S, S>& P,
                                                  const Eigen::Matrix<double, N, S>& C,
