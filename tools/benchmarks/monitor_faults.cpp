@@ -18,6 +18,7 @@
 
 #include "aslio/config/load.hpp"
 #include "aslio/core/errors.hpp"
+#include "aslio/core/lie.hpp"
 #include "aslio/core/trajectory.hpp"
 #include "aslio/io/source.hpp"
 #include "aslio/io/writers.hpp"
@@ -110,7 +111,8 @@ class Dump final : public pipeline::UpdateObserver {
       : out_(path), truth_(truth), fault_(fault), begin_(begin), aligned_at_(std::min(fault.at, begin + 2 * kSecond)) {
     if (fault.in_data()) aligned_at_ = fault.at;
     out_ << "t,dt,accepted,segment,tracking,error_m,path_m,fit_rise,match_loss,overlap_loss,pull_rise,misfit"
-            ",velocity_pull,gyro_mismatch,mount,view_change,view_jump,unexplained,alarm\n";
+            ",velocity_pull,gyro_mismatch,mount,view_change,view_jump,unexplained,alarm"
+            ",rms,shift_x,shift_y,shift_z,turn_x,turn_y,turn_z\n";
   }
 
   void on_update(const pipeline::UpdateRecord& r) override {
@@ -127,13 +129,15 @@ class Dump final : public pipeline::UpdateObserver {
     }
     if (truth) last_ = truth->p;
     const pipeline::MonitorSignals& m = r.monitor;
+    const NavState& prior = r.update->prior;
+    const Vec3 shift = r.state.p - prior.p, turn = log_so3(r.state.R * prior.R.transpose());
     out_ << fmt::format(
         "{:.3f},{:.4f},{},{},{},{:.3f},{:.2f},{:.3f},{:.3f},{:.3f},{:.2f},{:.3f},{:.2f},{:.3f},{:.3f},"
-        "{:.3f},{:.2f},{:.3f},{}\n",
+        "{:.3f},{:.2f},{:.3f},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.5f},{:.5f}\n",
         to_seconds(r.plan.end - begin_), to_seconds(r.plan.end - r.plan.fresh_begin), r.update->accepted ? 1 : 0,
         r.segment, pipeline::name(r.tracking), error, path_, m.fit_rise, m.match_loss, m.overlap_loss,
         std::max(m.velocity_pull_rise, m.turn_pull_rise), m.misfit, m.velocity_pull, m.gyro_mismatch, m.mount,
-        m.view_change, m.view_jump, std::isfinite(m.unexplained) ? m.unexplained : -1.0, m.alarm ? 1 : 0);
+        m.view_change, m.view_jump, std::isfinite(m.unexplained) ? m.unexplained : -1.0, m.alarm ? 1 : 0, r.update->residual_rms, shift.x(), shift.y(), shift.z(), turn.x(), turn.y(), turn.z());
   }
 
  private:

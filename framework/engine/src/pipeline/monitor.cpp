@@ -20,6 +20,9 @@ constexpr double kKnown = 1.0;  ///< nothing is usual before [s]
 constexpr double kViewJump = 3.3, kViewStir = 2.2;  ///< factors: alone, and with a misfit
 constexpr double kViewLeast = 0.1, kStirred = 0.5;  ///< change of the view; time after one [s]
 constexpr double kMisfit = 1.65, kMisfitStirred = 1.2, kRout = 2.4;
+// Of that, what residuals and matches must say without the corrections: an old part of the map that is met again some
+// centimetres off says less (docs/results/monitor.md).
+constexpr double kWorseFit = 1.5, kWorseFitStirred = 0.5;
 constexpr double kMisfitFor = 0.12;                     ///< [s]
 constexpr double kRoutFor = 0.25;                       ///< longer than a swing past a near wall [s]
 constexpr double kTear = 30.0;                          ///< velocity that the points take or give [m/s^2]
@@ -35,7 +38,7 @@ constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
 constexpr double kScale = 0.03, kDelay = 0.015, kGyroBias = 0.1, kAccBias = 1.5;
 constexpr double kMountTurn = 0.05, kMountShift = 0.15;  // of T_imu_lidar [rad, m]
 
-/// Turn that the gyro measured over the window, in I [rad]. Its bias counts for nothing beside what is looked for.
+/// Turn that the gyro measured over the window, in I [rad], its bias included.
 Vec3 measured_turn(std::span<const ImuSample> imu) {
   Vec3 turn = Vec3::Zero();
   for (std::size_t i = 1; i < imu.size(); ++i) {
@@ -238,7 +241,8 @@ void Monitor::measure_pull(const Window& window, const Update& update, double dt
   contradicted_.add(turn * measured.transpose() / (dt * dt), dt, kUsual);
   turned_.add(measured.squaredNorm() / (dt * dt), dt, kUsual);
   if (turned_.value > kTurnEnough) signals_.gyro_mismatch = contradicted_.value.norm() / turned_.value;
-  if (faults == 0) mount_.add(turn, measured, dt);
+  const double span = to_seconds(window.imu.back().t - window.imu.front().t);
+  if (faults == 0) mount_.add(turn, measured - span * update.prior.b_w, dt);
   signals_.mount = mount_.contradiction();
 }
 
@@ -247,9 +251,12 @@ void Monitor::judge(double dt) {
   const double pull = std::max(signals_.velocity_pull_rise, signals_.turn_pull_rise);
   const double pulled = 0.5 * std::max(std::log(std::max(pull, 1e-3)), 0.0);
   signals_.misfit = signals_.fit_rise + pulled - 0.5 * std::max(signals_.overlap_loss, 0.0);
-  const bool misfit = signals_.misfit > (since_jump_ < kStirred ? kMisfitStirred : kMisfit);
+  const double worse_fit = signals_.fit_rise + std::max(signals_.match_loss, 0.0);
+  const bool stirred = since_jump_ < kStirred;
+  const bool misfit = signals_.misfit > (stirred ? kMisfitStirred : kMisfit) &&
+                      worse_fit > (stirred ? kWorseFitStirred : kWorseFit);
   misfit_for_ = misfit ? misfit_for_ + dt : 0.0;
-  const bool rout = signals_.fit_rise + std::max(signals_.match_loss, 0.0) + pulled > kRout;
+  const bool rout = worse_fit + pulled > kRout;
   rout_for_ = rout ? rout_for_ + dt : 0.0;
   if (misfit_for_ > kMisfitFor || rout_for_ > kRoutFor) {
     raise(

@@ -15,6 +15,8 @@ constexpr double kSigmas = 4.0;
 // Shares that are allowed, chosen on seeds from 100 up (docs/results/monitor.md): sound runs reach two thirds of them.
 constexpr double kFast = 0.5;  ///< RMS of the rate [rad/s]
 constexpr double kAllowedFast = 0.075, kAllowed = 0.375;
+/// Below this RMS of the rate an axis says nothing: the points contradict noise and bias of a gyro in full [rad/s].
+constexpr double kStill = 0.05;
 
 }  // namespace
 
@@ -56,8 +58,9 @@ void MountCheck::judge() {
   const double variance = std::max(rest, 0.0) / (3 * rows_);
   contradiction_ = 0;
   for (int i = 0; i < 3; ++i) {
-    if (power[i] < 1e-9) continue;
-    const double allowed = std::sqrt(power[i] / rows_) > kFast ? kAllowedFast : kAllowed;
+    const double rate = std::sqrt(std::max(power[i], 0.0) / rows_);
+    if (rate < kStill) continue;
+    const double allowed = rate > kFast ? kAllowedFast : kAllowed;
     const double surely = (share[i] - kSigmas * std::sqrt(variance / power[i])) / allowed;
     if (surely <= contradiction_) continue;
     contradiction_ = surely;
