@@ -30,6 +30,8 @@ struct Play {
   Still still;
   TimeNs t = 1'700'000'000 * kSecond;
   double room = 5.0;  ///< its radius [m]
+  int n_points = 3000;
+  double view = 1.0;  ///< share of the sphere that is seen, from +z on
   Vec3 rate = Vec3::Zero();
   Update update;
   std::vector<MatchRecord> matches = std::vector<MatchRecord>(100, MatchRecord{true, 0.01F, true});
@@ -49,14 +51,15 @@ struct Play {
 
   const MonitorSignals& next() {
     points.clear();
-    for (int i = 0; i < 3000; ++i) {
-      const double a = 0.01 * i, z = std::sin(0.37 * i);
+    for (int i = 0; i < n_points; ++i) {
+      const int k = static_cast<int>(i * 7919LL % n_points);  // all over the sphere, at any time of the window
+      const double a = 2.39996 * k, z = 1.0 - view * (2.0 * k + 1.0) / n_points;
       const double c = std::sqrt(1.0 - z * z);
       TimedPoint p;
       p.x = static_cast<float>(room * c * std::cos(a));
       p.y = static_cast<float>(room * c * std::sin(a));
       p.z = static_cast<float>(room * z);
-      p.t = t + (i + 1) * (kTenth / 3000);
+      p.t = t + (i + 1) * (kTenth / n_points);
       points.push_back(p);
     }
     imu.assign(2, ImuSample{});
@@ -162,6 +165,44 @@ TEST_CASE("monitor: a part of the map that is met again some centimetres off is 
   closing.calm(6);
   closing.update.state.v = Vec3(0.01, 0, 0);
   closing.calm(20);
+}
+
+/// A run that stands in the room and claims to move ever faster.
+class Phantom final : public TrajectoryModel {
+ public:
+  double acceleration = 0;  ///< along x [m/s^2]
+  TimeNs begin = 0;
+  Pose pose(TimeNs t) const override {
+    const double age = to_seconds(t - begin);
+    return {Mat3::Identity(), Vec3(0.5 * acceleration * age * age, 0, 0)};
+  }
+  int dof() const override { return 6; }
+  Pose moved(TimeNs, const Eigen::VectorXd&) const override { return {}; }
+  void jacobian(TimeNs, Eigen::MatrixXd&) const override {}
+};
+
+// eq. MON-6.
+TEST_CASE("monitor: a motion of the run that the view does not show is an alarm once the points fit worse") {
+  for (const bool worse : {true, false}) {
+    Play play;
+    Phantom phantom;
+    play.update.trajectory = &phantom;
+    play.room = 2.0;
+    play.view = 0.2;
+    play.n_points = 20000;  // some in every direction, wherever the phantom puts them
+    play.calm(30);
+    phantom.begin = play.t;
+    std::string reason;
+    for (int i = 0; i < 20 && reason.empty(); ++i) {
+      if (worse && i == 10) std::fill_n(play.matches.begin(), 60, MatchRecord{});
+      phantom.acceleration = 6.0;  // as of an accelerometer whose bias has changed
+      play.next();
+      reason = play.monitor.alarm().value_or("");
+    }
+    CAPTURE(worse, reason);
+    if (worse) CHECK_THAT(reason, Contains("the run moves as the view does not"));
+    if (!worse) CHECK(reason.find("as the view does not") == std::string::npos);
+  }
 }
 
 TEST_CASE("monitor: points that contradict the gyro's turn name the extrinsic") {

@@ -54,7 +54,8 @@ TEST_CASE("mount check: noise of the corrections, and a gyro's scale of 2 %, are
   CHECK(walked({0.01, 0, 0}, 1.0, 0.05, 0.1, 60).contradiction() < 0.5);
 }
 
-TEST_CASE("mount check: an axis that does not turn says nothing, though the points contradict its noise and bias in full") {
+TEST_CASE(
+    "mount check: an axis that does not turn says nothing, though the points contradict its noise and bias in full") {
   std::mt19937_64 random(8);
   std::normal_distribution<double> noise(0.0, 0.01);
   MountCheck check;

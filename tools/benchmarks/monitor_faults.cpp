@@ -137,7 +137,8 @@ class Dump final : public pipeline::UpdateObserver {
         to_seconds(r.plan.end - begin_), to_seconds(r.plan.end - r.plan.fresh_begin), r.update->accepted ? 1 : 0,
         r.segment, pipeline::name(r.tracking), error, path_, m.fit_rise, m.match_loss, m.overlap_loss,
         std::max(m.velocity_pull_rise, m.turn_pull_rise), m.misfit, m.velocity_pull, m.gyro_mismatch, m.mount,
-        m.view_change, m.view_jump, std::isfinite(m.unexplained) ? m.unexplained : -1.0, m.alarm ? 1 : 0, r.update->residual_rms, shift.x(), shift.y(), shift.z(), turn.x(), turn.y(), turn.z());
+        m.view_change, m.view_jump, std::isfinite(m.unexplained) ? m.unexplained : -1.0, m.alarm ? 1 : 0,
+        r.update->residual_rms, shift.x(), shift.y(), shift.z(), turn.x(), turn.y(), turn.z());
   }
 
  private:

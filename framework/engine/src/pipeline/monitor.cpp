@@ -35,6 +35,9 @@ constexpr double kUnexplainedTurn = 0.15, kSharpTurn = 1.0;
 // A piece that is missing leaves most of the change of the view unexplained; a turn past something near, half of it.
 constexpr double kUnexplainedOfChange = 0.6;
 constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
+// A motion that is not there: least share, factor to the change of the view, slots in a row.
+constexpr double kPhantom = 0.06, kPhantomOfChange = 2.0;
+constexpr int kPhantomSlots = 3;
 constexpr double kScale = 0.03, kDelay = 0.015, kGyroBias = 0.1, kAccBias = 1.5;
 constexpr double kMountTurn = 0.05, kMountShift = 0.15;  // of T_imu_lidar [rad, m]
 
@@ -116,7 +119,7 @@ void Monitor::begin(bool uses_imu) {
   velocity_ = turn_ = {};
   contradicted_ = {};
   turned_ = {};
-  view_count_ = unexplained_count_ = 0;
+  view_count_ = unexplained_count_ = phantom_slots_ = 0;
   fastest_ = last_change_ = 0;
   since_jump_ = 1e9;
   doubted_ = false;
@@ -137,7 +140,8 @@ const MonitorSignals& Monitor::observe(const Window& window, const Update& updat
   measure_pull(window, update, dt, bridged);
   age_ += dt;
   note_unbound(update, dt);
-  judge(dt);
+  judge_fit(dt);
+  judge_gyro();
   judge_learnt(update, dt);
   return signals_;
 }
@@ -212,6 +216,8 @@ void Monitor::judge_unexplained(double share) {
     }
   }
   unexplained_[static_cast<std::size_t>(unexplained_count_++ % 4)] = share;
+  const bool phantom = share > kPhantom && share > kPhantomOfChange * last_change_;
+  phantom_slots_ = phantom ? phantom_slots_ + 1 : 0;
   fastest_ = 0;
 }
 
@@ -246,15 +252,15 @@ void Monitor::measure_pull(const Window& window, const Update& update, double dt
   signals_.mount = mount_.contradiction();
 }
 
-// eq. MON-3.
-void Monitor::judge(double dt) {
+// eqs. MON-3, MON-6.
+void Monitor::judge_fit(double dt) {
   const double pull = std::max(signals_.velocity_pull_rise, signals_.turn_pull_rise);
   const double pulled = 0.5 * std::max(std::log(std::max(pull, 1e-3)), 0.0);
   signals_.misfit = signals_.fit_rise + pulled - 0.5 * std::max(signals_.overlap_loss, 0.0);
   const double worse_fit = signals_.fit_rise + std::max(signals_.match_loss, 0.0);
   const bool stirred = since_jump_ < kStirred;
-  const bool misfit = signals_.misfit > (stirred ? kMisfitStirred : kMisfit) &&
-                      worse_fit > (stirred ? kWorseFitStirred : kWorseFit);
+  const bool misfit =
+      signals_.misfit > (stirred ? kMisfitStirred : kMisfit) && worse_fit > (stirred ? kWorseFitStirred : kWorseFit);
   misfit_for_ = misfit ? misfit_for_ + dt : 0.0;
   const bool rout = worse_fit + pulled > kRout;
   rout_for_ = rout ? rout_for_ + dt : 0.0;
@@ -264,10 +270,20 @@ void Monitor::judge(double dt) {
                     "corrections of the state {:.1f} times as large",
                     std::exp(signals_.fit_rise), std::exp(signals_.match_loss), pull));
   }
+  if (age_ > kKnown && phantom_slots_ >= kPhantomSlots && worse_fit > kWorseFitStirred) {
+    raise(fmt::format(
+        "the run moves as the view does not: for {} sweeps, at least {:.0f} % of the surfaces are not where "
+        "its motion puts them, and residuals and matches are {:.1f} times worse than usual",
+        phantom_slots_, 100 * kPhantom, std::exp(worse_fit)));
+  }
   torn_for_ = age_ > kKnown && signals_.velocity_pull > kTear ? torn_for_ + dt : 0.0;
   if (torn_for_ > kMisfitFor) {
     raise(fmt::format("the points change the velocity against its prediction by {:.0f} m/s^2", signals_.velocity_pull));
   }
+}
+
+// eqs. MON-3, MON-7.
+void Monitor::judge_gyro() {
   if (age_ > kKnown && signals_.gyro_mismatch > kMismatch) {
     const double share = 100 * signals_.gyro_mismatch;
     raise(

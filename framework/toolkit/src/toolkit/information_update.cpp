@@ -17,7 +17,8 @@ Eigen::Matrix<double, S, N> information_gain(const Eigen::Matrix<double, S, S>& 
   return P_c * lu.inverse();
 }
 
-/// What is known exactly has no variance, as the length of g where it points straight down. Rounding may put it below 0.
+/// What is known exactly has no variance, as the length of g where it points straight down. Rounding may put it below
+/// 0.
 template <class Square>
 void clear_rounding(Square& P) {
   constexpr double rounding = 1e-12;  // squared units of the state; more below 0 is an error, for the caller to see

@@ -95,7 +95,8 @@ class Monitor {
   void measure_view(const Window& window, const Update& update, bool bridged);
   void note_unbound(const Update& update, double dt);
   void judge_learnt(const Update& update, double dt);
-  void judge(double dt);
+  void judge_fit(double dt);
+  void judge_gyro();
   void raise(std::string reason);
 
   ViewChange view_;
@@ -114,6 +115,7 @@ class Monitor {
   int view_count_ = 0;
   std::array<double, 4> unexplained_{};
   int unexplained_count_ = 0;
+  int phantom_slots_ = 0;    ///< in a row, with a motion of the run that the view does not show
   double fastest_ = 0;       ///< turn rate since the last slot [rad/s]
   double last_change_ = 0;   ///< of the view, in the last sweep
   double since_jump_ = 1e9;  ///< [s] of the last jump of the view
