@@ -91,6 +91,7 @@ class Monitor {
   void judge_gap(const Window& window, const Update& update);
   void measure_fit(const Update& update, const OverlapScore& overlap, double dt);
   void measure_pull(const Window& window, const Update& update, double dt, bool bridged);
+  void judge_change(double change);
   void judge_unexplained(double share);
   void measure_view(const Window& window, const Update& update, bool bridged);
   void note_unbound(const Update& update, double dt);
