@@ -35,8 +35,9 @@ constexpr double kUnexplainedTurn = 0.15, kSharpTurn = 1.0;
 // A piece that is missing leaves most of the change of the view unexplained; a turn past something near, half of it.
 constexpr double kUnexplainedOfChange = 0.6;
 constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
-// Beside a jump of the view in the same sweep: share of the surfaces, of the change, and time between the two [s].
-constexpr double kUnexplainedBoth = 0.06, kBothOfChange = 0.5, kSameSweep = 0.05;
+// Beside a jump of the view in the same sweep: share of the surfaces and of the change for an alarm, share to be
+// stirred.
+constexpr double kUnexplainedBoth = 0.06, kBothOfChange = 0.5, kUnexplainedStirs = 0.03;
 // A motion that is not there: least share, factor to the change of the view, slots in a row.
 constexpr double kPhantom = 0.06, kPhantomOfChange = 2.0;
 constexpr int kPhantomSlots = 3;
@@ -178,12 +179,18 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
   for (const ImuSample& s : window.imu) fastest_ = std::max(fastest_, s.gyro.norm());
   const auto change = view_.add(window.fresh, *update.trajectory, window.plan.end);
   if (change) judge_change(*change);
+  // Without a gyro a turn that the points follow late changes the view as well.
+  const bool tells = uses_imu_ && signals_.view_change > kViewLeast;
+  const bool stirs = tells && signals_.view_jump > kViewStir;
   if (!uses_imu_ || bridged || unread(window)) {
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
+    if (stirs) since_jump_ = 0;
   } else if (const auto share = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
     judge_unexplained(*share);
+    // What a turn brings into view is where the motion puts it.
+    if (stirs && *share > kUnexplainedStirs) since_jump_ = 0;
   }
-  if (uses_imu_ && signals_.view_change > kViewLeast && signals_.view_jump > kViewJump) {
+  if (tells && signals_.view_jump > kViewJump) {
     raise(
         fmt::format("{:.1f} times more of the view changed at once than before: a piece of the data is missing, or the "
                     "sensor was moved",
@@ -197,8 +204,6 @@ void Monitor::judge_change(double change) {
   if (view_count_ >= 4) {
     const double usual = std::max(*std::max_element(views_.begin(), views_.end()), 0.03);
     signals_.view_jump = change / usual;
-    // Without a gyro a turn that the points follow late changes the view as well.
-    if (uses_imu_ && change > kViewLeast && signals_.view_jump > kViewStir) since_jump_ = 0;
   }
   views_[static_cast<std::size_t>(view_count_++ % 4)] = change;
 }
@@ -212,7 +217,8 @@ void Monitor::judge_unexplained(double share) {
     const double least = std::max(kUnexplained + kUnexplainedTurn * std::max(fastest_ - kSharpTurn, 0.0),
                                   kUnexplainedOfChange * last_change_);
     // A jump of the view in the same sweep: two signs that are weak alone.
-    const bool both = since_jump_ < kSameSweep && share > kUnexplainedBoth && share > kBothOfChange * last_change_;
+    const bool jumps = signals_.view_change > kViewLeast && signals_.view_jump > kViewStir;
+    const bool both = jumps && share > kUnexplainedBoth && share > kBothOfChange * last_change_;
     if (both || (share > least && share > kUnexplainedJump * usual)) {
       raise(
           fmt::format("{:.0f} % of the surfaces seen before are not where the motion of the run puts them, usually "
