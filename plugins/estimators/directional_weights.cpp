@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "aslio/core/lie.hpp"
 
@@ -44,25 +43,75 @@ struct Reach {
   }
 };
 
+/// Covariance of a plane's normal u, by the neighbours to which it is fitted: s^2/k (C + s^2/k)^-1 across u, C their
+/// covariance [rad^2]. Neighbours in a line leave one angle open, up to 1 rad. eq. IESKF-12.
+Mat3 fitted_covariance(const Neighbours& neighbours, std::size_t i, double s, const Vec3& u) {
+  const std::size_t k = std::min<std::size_t>(neighbours.count[i], neighbours.k());
+  if (k < 3) return Mat3::Zero();
+  const double share = 1.0 / static_cast<double>(k);
+  const Vec3 a = u.unitOrthogonal();
+  Eigen::Matrix<double, 3, 2> across;
+  across << a, u.cross(a);
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d C = Eigen::Matrix2d::Zero();
+  for (std::size_t j = 0; j < k; ++j) {
+    const Eigen::Vector2d at = across.transpose() * neighbours.offset(i, j).cast<double>();
+    mean += share * at;
+    C += share * at * at.transpose();
+  }
+  const double noise = s * s * share;
+  C += noise * Eigen::Matrix2d::Identity() - mean * mean.transpose();
+  return noise * across * C.inverse() * across.transpose();
+}
+
+/// Noise of the points to which planes are fitted, by how far they lie from them, at most `most` [m]. Three of k are
+/// what a plane takes. eq. IESKF-12.
+double thickness(const DirectionalWeights::Rows& rows, double most) {
+  double sum = 0, planes = 0;
+  rows.set.each_row(rows.per_match, rows.gate, [&](std::size_t i, const ResidualRow& row, double) {
+    const Neighbours& neighbours = rows.set.neighbours;
+    const std::size_t k = std::min<std::size_t>(neighbours.count[i], neighbours.k());
+    if (k <= 3) return;
+    double mean = 0, squares = 0;
+    for (std::size_t j = 0; j < k; ++j) {
+      const double off = row.J.dot(neighbours.offset(i, j).cast<double>());
+      mean += off / static_cast<double>(k);
+      squares += off * off;
+    }
+    sum += (squares - static_cast<double>(k) * mean * mean) / static_cast<double>(k - 3);
+    planes += 1;
+  });
+  return planes > 0 ? std::min(most, std::sqrt(std::max(sum / planes, 0.0))) : most;
+}
+
 }  // namespace
 
 DirectionalWeights::DirectionalWeights(const Params& params)
     : rule_(params.rule), variance_(std::pow(params.normal_error * kRadPerDeg, 2)) {}
 
-void DirectionalWeights::find(const WindowMatches& fresh, std::size_t rows_per_match, const Mat6& A, const Mat3& R) {
+void DirectionalWeights::find(const Rows& fresh, const Mat6& A) {
   count_ = 0;
   if (!active() || !A.allFinite()) return;
+  const WindowMatches& set = fresh.set;
+  thickness_ = fresh.fitted_to > 0.0 ? thickness(fresh, fresh.fitted_to) : 0.0;
   Reach reach;
-  fresh.each_row(rows_per_match, std::numeric_limits<double>::infinity(),
-                 [&](std::size_t i, const ResidualRow&, double information) {
-                   const double seen = fresh.share.empty() ? 1.0 : fresh.share[i];
-                   reach.add(fresh.body[i], information * seen * seen);
-                 });
+  Mat6 fitted = Mat6::Zero();
+  set.each_row(fresh.per_match, fresh.gate, [&](std::size_t i, const ResidualRow& row, double information) {
+    const double of_end = set.share.empty() ? 1.0 : set.share[i];
+    const double weight = information * of_end * of_end;
+    reach.add(set.body[i], weight);
+    if (thickness_ <= 0.0) return;
+    Eigen::Matrix<double, 6, 3> G;
+    G << hat(set.body[i]) * fresh.R.transpose(), Mat3::Identity();
+    const Mat3 error = fitted_covariance(set.neighbours, i, thickness_, row.J);
+    fitted.noalias() += weight * G * error * G.transpose();
+  });
   // A rotation counts at a lever arm of 5 m, as in IESKF-7: only for the condition of the matrices.
   Vec6 scale;
   scale << Vec3::Constant(0.2), Vec3::Ones();
   const Mat6 seen = scale.asDiagonal() * A * scale.asDiagonal();
-  const Mat6 error = variance_ * (scale.asDiagonal() * reach.matrix(R) * scale.asDiagonal() - seen);
+  const Mat6 made_up = variance_ * (reach.matrix(fresh.R) - A) + fitted;
+  const Mat6 error = scale.asDiagonal() * made_up * scale.asDiagonal();
   const double size = seen.trace();
   if (!(size > 0.0) || !error.allFinite()) return;
   const Mat6 both = seen + error + 1e-12 * size * Mat6::Identity();
@@ -96,27 +145,29 @@ SeenMatrix DirectionalWeights::damping(const SeenMatrix& A) const {
 }
 
 /// The row [(p x R^T u)^T, u^T] without what its normal does not show of the weak directions.
-Vec6 DirectionalWeights::reduced(const Vec3& p_I, const Vec3& u, const Mat3& R) const {
+Vec6 DirectionalWeights::reduced(const Rows& rows, std::size_t i, const Vec3& u) const {
+  const Vec3& p_I = rows.set.body[i];
   Vec6 h;
-  h << p_I.cross(R.transpose() * u), u;
+  h << p_I.cross(rows.R.transpose() * u), u;
   Vec6 out = h;
+  Mat3 error = variance_ * (Mat3::Identity() - u * u.transpose());
+  if (thickness_ > 0.0) error += fitted_covariance(rows.set.neighbours, i, thickness_, u);
   for (int k = 0; k < count_; ++k) {
     const Direction& weak = directions_[static_cast<std::size_t>(k)];
-    const Vec3 moved = R * weak.v.head<3>().cross(p_I) + weak.v.tail<3>();  // of the point, along the direction
-    const double seen = std::pow(h.dot(weak.v), 2);
-    const double error = variance_ * std::max(moved.squaredNorm() - seen, 0.0);
-    const double kept = weak.share + (1.0 - weak.share) * share_of(seen, error);
-    out -= (1.0 - kept) * h.dot(weak.v) * weak.dual;
+    const Vec3 moved = rows.R * weak.v.head<3>().cross(p_I) + weak.v.tail<3>();  // the point, along the direction
+    const double seen = h.dot(weak.v);
+    const double kept = weak.share + (1.0 - weak.share) * share_of(seen * seen, moved.dot(error * moved));
+    out -= (1.0 - kept) * seen * weak.dual;
   }
   return out;
 }
 
-void DirectionalWeights::select(const WindowMatches& set, std::size_t rows_per_match, double gate, const Mat3& R,
-                                WindowInformation& sum) const {
+void DirectionalWeights::select(const Rows& rows, WindowInformation& sum) const {
+  const WindowMatches& set = rows.set;
   WindowInformation kept;
-  set.each_row(rows_per_match, gate, [&](std::size_t i, const ResidualRow& row, double information) {
+  set.each_row(rows.per_match, rows.gate, [&](std::size_t i, const ResidualRow& row, double information) {
     const double of_end = set.share.empty() ? 1.0 : set.share[i];
-    const Vec6 h = of_end * reduced(set.body[i], row.J, R);
+    const Vec6 h = of_end * reduced(rows, i, row.J);
     const Vec6 weighted = information * h;
     kept.A.noalias() += weighted * h.transpose();
     kept.b += row.r * weighted;

@@ -23,7 +23,7 @@ class DirectionalWeights {
   };
   struct Params {
     Rule rule = Rule::none;
-    double normal_error = 3.0;  ///< of a normal, standard deviation of each of its two angles [deg]
+    double normal_error = 1.0;  ///< of any normal, standard deviation of each of its two angles [deg]
   };
   static void describe(config::Binder& b, Params& p);
 
@@ -32,9 +32,17 @@ class DirectionalWeights {
   bool damps() const { return rule_ == Rule::damped && count_ > 0; }
   bool selects() const { return rule_ == Rule::selected && count_ > 0; }
 
-  /// Finds the weak directions from the rows `fresh` has at the attitude `R`; `A`: the sum of their information. None
-  /// where A is not finite. eq. IESKF-12.
-  void find(const WindowMatches& fresh, std::size_t rows_per_match, const Mat6& A, const Mat3& R);
+  /// Rows of one class of points, of the last sum.
+  struct Rows {
+    const WindowMatches& set;
+    std::size_t per_match = 1;
+    double gate = 0;       ///< [m], of that sum
+    double fitted_to = 0;  ///< greatest noise of the neighbours to which planes are fitted [m]; 0: none are
+    Mat3 R;                ///< attitude of the pose
+  };
+  /// Finds the weak directions from the fresh rows; `A`: the sum of their information. None where A is not finite. eq.
+  /// IESKF-12.
+  void find(const Rows& fresh, const Mat6& A);
   /// Directions that do not count in full, and the share of the k-th that counts [0, 1].
   int weak() const { return count_; }
   double share(int k) const { return directions_[static_cast<std::size_t>(k)].share; }
@@ -43,10 +51,8 @@ class DirectionalWeights {
 
   /// L, so that the damped normal equations are L A and L b. eq. IESKF-13.
   SeenMatrix damping(const SeenMatrix& A) const;
-  /// `sum`, the sums of all rows of `set` within `gate` [m] at the attitude `R`, with the rows reduced. Residuals and
-  /// numbers stay. eq. IESKF-14.
-  void select(const WindowMatches& set, std::size_t rows_per_match, double gate, const Mat3& R,
-              WindowInformation& sum) const;
+  /// `sum`, the sums of these rows, with the rows reduced. Residuals and numbers stay. eq. IESKF-14.
+  void select(const Rows& rows, WindowInformation& sum) const;
 
  private:
   struct Direction {
@@ -55,10 +61,11 @@ class DirectionalWeights {
     double information = 0;
     double share = 0;
   };
-  Vec6 reduced(const Vec3& p_I, const Vec3& u, const Mat3& R) const;
+  Vec6 reduced(const Rows& rows, std::size_t i, const Vec3& u) const;
 
   Rule rule_;
-  double variance_;  ///< of an angle of a normal [rad^2]
+  double variance_;       ///< of an angle of a normal [rad^2]
+  double thickness_ = 0;  ///< noise of the neighbours to which planes are fitted [m], as their planes show it
   int count_ = 0;
   std::array<Direction, 6> directions_;
 };

@@ -196,10 +196,12 @@ Ieskf::Evaluation Ieskf::linearize(const NavState& at, const StepContext& contex
 /// eqs. IESKF-12, IESKF-14; `gate` [m] of the history.
 void Ieskf::weigh_by_direction(const NavState& at, double gate, Evaluation& sums) {
   const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
-  directions_.find(fresh_, rows, sums.fresh.A, at.R);
+  const double fitted_to = rows == 1 && !residual_->surfaces_from_map() ? sigma_ : 0.0;
+  const DirectionalWeights::Rows fresh{fresh_, rows, std::numeric_limits<double>::infinity(), fitted_to, at.R};
+  directions_.find(fresh, sums.fresh.A);
   if (!directions_.selects()) return;
-  directions_.select(fresh_, rows, std::numeric_limits<double>::infinity(), at.R, sums.fresh);
-  directions_.select(history_, rows, gate, at.R, sums.history);
+  directions_.select(fresh, sums.fresh);
+  directions_.select({history_, rows, gate, fitted_to, at.R}, sums.history);
 }
 
 /// eq. IESKF-10, while the iterate is the prior. The history is no innovation: its points have been matched before.

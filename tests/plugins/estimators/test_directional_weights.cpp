@@ -49,13 +49,14 @@ struct Rows {
     h << p_I.cross(R.transpose() * u), u;
     return h;
   }
+  DirectionalWeights::Rows all() const { return {set, 1, kNone, 0.0, R}; }
   /// Information on the position along the corridor.
   double along() const { return sum.A(3, 3); }
 };
 
 DirectionalWeights weights(Rule rule, double normal_error, const Rows& rows) {
   DirectionalWeights out({rule, normal_error});
-  out.find(rows.set, 1, rows.sum.A, rows.R);
+  out.find(rows.all(), rows.sum.A);
   return out;
 }
 
@@ -82,12 +83,12 @@ struct Standing {
 };
 
 Standing stand(const std::string& rule, unsigned seed, int threads = 1) {
-  Filter filter({"estimator.directional=" + rule, "estimator.noise=physical", "estimator.association=every_iteration"},
-                0.02, true, Vec3(0, 0, -kStandardGravity), threads);
+  Filter filter({"estimator={type: ieskf, noise: physical, directional: " + rule + "}"}, 0.02, true,
+                Vec3(0, 0, -kStandardGravity), threads);
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, kSigma);
   std::vector<WorldPoint> map;
-  for (const CorridorPoint& point : corridor_points(20000, 9.0, random)) {
+  for (const CorridorPoint& point : corridor_points(2000, 9.0, random)) {
     map.push_back({.p_W = point.p + noise(random) * point.normal});
   }
   filter.map->insert(map, 1);
@@ -159,7 +160,7 @@ TEST_CASE(
   const Rows bare(4.0), pillar(4.0, Vec6::Zero(), 12);
   const auto kept = [](const Rows& rows) {
     WindowInformation sum = rows.sum;
-    weights(Rule::selected, 8.0, rows).select(rows.set, 1, kNone, rows.R, sum);
+    weights(Rule::selected, 8.0, rows).select(rows.all(), sum);
     return sum;
   };
   CHECK(bare.along() > 3 * each);  // made up
@@ -178,7 +179,7 @@ TEST_CASE("directional selected: an error along the corridor is found whole, not
   error[3] = 0.05;
   const Rows rows(6.0, error, 12);
   WindowInformation sum = rows.sum;
-  weights(Rule::selected, 12.0, rows).select(rows.set, 1, kNone, rows.R, sum);
+  weights(Rule::selected, 12.0, rows).select(rows.all(), sum);
   const double before = rows.sum.A.ldlt().solve(rows.sum.b)[3], after = sum.A.ldlt().solve(sum.b)[3];
   CHECK(before < 0.7 * error[3]);
   CHECK(after == Approx(error[3]).epsilon(0.05));
@@ -190,16 +191,44 @@ TEST_CASE("directional: late points and shares of the end have their moments") {
   rows.set.lag.assign(rows.set.body.size(), 0.04);
   const Mat6 half = 0.25 * rows.sum.A;
   DirectionalWeights found({Rule::selected, 8.0});
-  found.find(rows.set, 1, half, rows.R);
+  found.find(rows.all(), half);
   REQUIRE(found.weak() == 1);
   WindowInformation sum;
-  found.select(rows.set, 1, kNone, rows.R, sum);
+  found.select(rows.all(), sum);
   WindowInformation whole = rows.sum;
   Rows plain(4.0);
-  weights(Rule::selected, 8.0, plain).select(plain.set, 1, kNone, plain.R, whole);
+  weights(Rule::selected, 8.0, plain).select(plain.all(), whole);
   CHECK((sum.A - 0.25 * whole.A).norm() < 1e-9 * whole.A.norm());
   CHECK((sum.A1 - 0.04 * sum.A).norm() < 1e-9 * sum.A.norm());
   CHECK((sum.A2 - 0.0016 * sum.A).norm() < 1e-9 * sum.A.norm());
+}
+
+TEST_CASE("directional: a plane has the error that its neighbours leave it") {  // eq. IESKF-12
+  // Five neighbours of every point, spread by 0.1 m in their wall: 0.02 / (0.1 sqrt(5)) is 5 deg.
+  const auto found = [](double apart, double s, double most = 1.0) {
+    Rows rows(5.0);
+    rows.set.neighbours.resize(rows.set.body.size(), 5);
+    for (std::size_t i = 0; i < rows.set.body.size(); ++i) {
+      rows.set.neighbours.count[i] = 5;
+      const Vec3 u = rows.set.rows[i].J, a = u.unitOrthogonal(), b = u.cross(a);
+      for (std::size_t j = 0; j < 5; ++j) {
+        const double angle = 72 * kRadPerDeg * static_cast<double>(j);
+        // On a wave about the plane, so that what is left of it has the variance s^2 over two degrees of freedom.
+        const Vec3 offset = std::sqrt(2.0) * apart * (std::cos(angle) * a + std::sin(angle) * b) +
+                            2.0 / std::sqrt(5.0) * s * std::cos(2 * angle) * u;
+        rows.set.neighbours.offsets[i * 5 + j] = offset.cast<float>();
+      }
+    }
+    DirectionalWeights out({Rule::damped, 1e-3});
+    out.find({rows.set, 1, kNone, most, rows.R}, rows.sum.A);
+    return out;
+  };
+  REQUIRE(found(0.1, kSigma).weak() == 1);
+  CHECK(found(0.1, kSigma).share(0) < 0.15);
+  CHECK(found(0.03, kSigma).share(0) == 0.0);
+  CHECK(found(0.2, kSigma).share(0) > 0.7);  // 2.5 deg are a quarter of that
+  CHECK(found(0.1, 0.0).weak() == 0);
+  CHECK(found(0.03, kSigma, 1e-3 * kSigma).weak() == 0);  // no noisier than the filter takes points for
 }
 
 TEST_CASE("directional: what is not finite, and no row at all, has no weak direction") {
