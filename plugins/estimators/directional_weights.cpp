@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "aslio/core/lie.hpp"
 
@@ -13,6 +14,7 @@ namespace {
 
 /// Information that counts in full: so many times what the errors of the normals make.
 constexpr double kClear = 10.0;
+constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 
 /// Share that counts of `seen`, of which `error` is what errors make alone: 0 up to there, 1 from kClear times it on.
 /// In between it grows as the part that is no error. eq. IESKF-12.
@@ -68,7 +70,7 @@ Mat3 fitted_covariance(const Neighbours& neighbours, std::size_t i, double s, co
 /// what a plane takes. eq. IESKF-12.
 double thickness(const DirectionalWeights::Rows& rows, double most) {
   double sum = 0, planes = 0;
-  rows.set.each_row(rows.per_match, rows.gate, [&](std::size_t i, const ResidualRow& row, double) {
+  rows.set.each_row(rows.per_match, kEverywhere, [&](std::size_t i, const ResidualRow& row, double) {
     const Neighbours& neighbours = rows.set.neighbours;
     const std::size_t k = std::min<std::size_t>(neighbours.count[i], neighbours.k());
     if (k <= 3) return;
@@ -93,17 +95,17 @@ void DirectionalWeights::find(const Rows& fresh, const Mat6& A) {
   count_ = 0;
   if (!active() || !A.allFinite()) return;
   const WindowMatches& set = fresh.set;
-  thickness_ = fresh.fitted_to > 0.0 ? thickness(fresh, fresh.fitted_to) : 0.0;
+  const double noise = fresh.fitted_to > 0.0 ? thickness(fresh, fresh.fitted_to) : 0.0;
   Reach reach;
   Mat6 fitted = Mat6::Zero();
-  set.each_row(fresh.per_match, fresh.gate, [&](std::size_t i, const ResidualRow& row, double information) {
+  set.each_row(fresh.per_match, kEverywhere, [&](std::size_t i, const ResidualRow& row, double information) {
     const double of_end = set.share.empty() ? 1.0 : set.share[i];
     const double weight = information * of_end * of_end;
     reach.add(set.body[i], weight);
-    if (thickness_ <= 0.0) return;
+    if (noise <= 0.0) return;
     Eigen::Matrix<double, 6, 3> G;
     G << hat(set.body[i]) * fresh.R.transpose(), Mat3::Identity();
-    const Mat3 error = fitted_covariance(set.neighbours, i, thickness_, row.J);
+    const Mat3 error = fitted_covariance(set.neighbours, i, noise, row.J);
     fitted.noalias() += weight * G * error * G.transpose();
   });
   // A rotation counts at a lever arm of 5 m, as in IESKF-7: only for the condition of the matrices.
@@ -122,9 +124,7 @@ void DirectionalWeights::find(const Rows& fresh, const Mat6& A) {
     const double share = share_of(1.0 - part, part);
     if (share >= 1.0) continue;
     Direction& weak = directions_[static_cast<std::size_t>(count_++)];
-    const Vec6 v = solver.eigenvectors().col(k);
-    weak.v = scale.cwiseProduct(v);
-    weak.dual = (both * v).cwiseQuotient(scale);
+    weak.v = scale.cwiseProduct(solver.eigenvectors().col(k));
     weak.information = 1.0 - part;
     weak.share = share;
   }
@@ -144,56 +144,14 @@ SeenMatrix DirectionalWeights::damping(const SeenMatrix& A) const {
   return L;
 }
 
-/// The row [(p x R^T u)^T, u^T] without what its normal does not show of the weak directions.
-Vec6 DirectionalWeights::reduced(const Rows& rows, std::size_t i, const Vec3& u) const {
-  const Vec3& p_I = rows.set.body[i];
-  Vec6 h;
-  h << p_I.cross(rows.R.transpose() * u), u;
-  Vec6 out = h;
-  Mat3 error = variance_ * (Mat3::Identity() - u * u.transpose());
-  if (thickness_ > 0.0) error += fitted_covariance(rows.set.neighbours, i, thickness_, u);
-  for (int k = 0; k < count_; ++k) {
-    const Direction& weak = directions_[static_cast<std::size_t>(k)];
-    const Vec3 moved = rows.R * weak.v.head<3>().cross(p_I) + weak.v.tail<3>();  // the point, along the direction
-    const double seen = h.dot(weak.v);
-    const double kept = weak.share + (1.0 - weak.share) * share_of(seen * seen, moved.dot(error * moved));
-    out -= (1.0 - kept) * seen * weak.dual;
-  }
-  return out;
-}
-
-void DirectionalWeights::select(const Rows& rows, WindowInformation& sum) const {
-  const WindowMatches& set = rows.set;
-  WindowInformation kept;
-  set.each_row(rows.per_match, rows.gate, [&](std::size_t i, const ResidualRow& row, double information) {
-    const double of_end = set.share.empty() ? 1.0 : set.share[i];
-    const Vec6 h = of_end * reduced(rows, i, row.J);
-    const Vec6 weighted = information * h;
-    kept.A.noalias() += weighted * h.transpose();
-    kept.b += row.r * weighted;
-    if (set.lag.empty()) return;
-    const Vec6 later = set.lag[i] * weighted;
-    kept.A1.noalias() += later * h.transpose();
-    kept.A2.noalias() += set.lag[i] * later * h.transpose();
-    kept.b1 += row.r * later;
-  });
-  sum.A = kept.A;
-  sum.b = kept.b;
-  sum.A1 = kept.A1;
-  sum.A2 = kept.A2;
-  sum.b1 = kept.b1;
-}
-
 void DirectionalWeights::describe(config::Binder& b, Params& p) {
   b.choice(
-      "directional", p.rule, {{"none", Rule::none}, {"damped", Rule::damped}, {"selected", Rule::selected}},
-      "weights by direction of the pose, where errors of the normals may make up what the points seem to see of it. "
-      "none: all count. damped: the whole direction counts less. selected: along it only points count whose normal "
-      "shows it beyond its error");
-  b.real(
-      "normal_error", p.normal_error, "deg", {.above = 0, .max = 30},
-      "directional: standard deviation of a normal about each of its two axes; ten times the information that it makes "
-      "counts in full");
+      "directional", p.rule, {{"none", Rule::none}, {"damped", Rule::damped}},
+      "damped: a direction of the pose counts less the more of its information may come from errors of the normals. "
+      "none: all count in full");
+  b.real("normal_error", p.normal_error, "deg", {.above = 0, .max = 30},
+         "directional: standard deviation of a normal about each of its two axes, beside what the spread of its "
+         "neighbours leaves open (planes: neighbours)");
 }
 
 }  // namespace aslio::plugins

@@ -13,13 +13,12 @@ namespace aslio::plugins {
 
 /// Weights of the points' information by direction of the pose. A normal with an error shows motions along its surface
 /// that it does not see. Where hardly any point binds a direction, the sum of such errors passes for information on it.
-/// What stands out from these errors counts, the rest does not (docs/equations.md IESKF-12 .. IESKF-14).
+/// What stands out from these errors counts, the rest does not (docs/equations.md IESKF-12, IESKF-13).
 class DirectionalWeights {
  public:
   enum class Rule : std::uint8_t {
     none,
-    damped,   ///< a direction as a whole: the more of its information may be error, the less it counts
-    selected  ///< single rows, along weak directions: those whose normal shows it beyond its error
+    damped  ///< the more of a direction's information may be error, the less it counts
   };
   struct Params {
     Rule rule = Rule::none;
@@ -30,13 +29,11 @@ class DirectionalWeights {
   explicit DirectionalWeights(const Params& params);
   bool active() const { return rule_ != Rule::none; }
   bool damps() const { return rule_ == Rule::damped && count_ > 0; }
-  bool selects() const { return rule_ == Rule::selected && count_ > 0; }
 
-  /// Rows of one class of points, of the last sum.
+  /// Fresh rows, of the last sum.
   struct Rows {
     const WindowMatches& set;
     std::size_t per_match = 1;
-    double gate = 0;       ///< [m], of that sum
     double fitted_to = 0;  ///< greatest noise of the neighbours to which planes are fitted [m]; 0: none are
     Mat3 R;                ///< attitude of the pose
   };
@@ -51,21 +48,16 @@ class DirectionalWeights {
 
   /// L, so that the damped normal equations are L A and L b. eq. IESKF-13.
   SeenMatrix damping(const SeenMatrix& A) const;
-  /// `sum`, the sums of these rows, with the rows reduced. Residuals and numbers stay. eq. IESKF-14.
-  void select(const Rows& rows, WindowInformation& sum) const;
 
  private:
   struct Direction {
-    Vec6 v;     ///< (theta, p)
-    Vec6 dual;  ///< 1 with v, 0 with the other directions
+    Vec6 v;  ///< (theta, p)
     double information = 0;
     double share = 0;
   };
-  Vec6 reduced(const Rows& rows, std::size_t i, const Vec3& u) const;
 
   Rule rule_;
-  double variance_;       ///< of an angle of a normal [rad^2]
-  double thickness_ = 0;  ///< noise of the neighbours to which planes are fitted [m], as their planes show it
+  double variance_;  ///< of an angle of a normal [rad^2]
   int count_ = 0;
   std::array<Direction, 6> directions_;
 };

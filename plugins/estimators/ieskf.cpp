@@ -189,19 +189,15 @@ Ieskf::Evaluation Ieskf::linearize(const NavState& at, const StepContext& contex
   constexpr double none = std::numeric_limits<double>::infinity();
   result_.fresh_matches = static_cast<std::uint32_t>(fresh_.matches(rows, sums.fresh.accepted, none));
   result_.history_matches = static_cast<std::uint32_t>(history_.matches(rows, sums.history.accepted, gate));
-  if (directions_.active()) weigh_by_direction(at, gate, sums);
+  if (directions_.active()) find_weak_directions(at, sums.fresh);
   return sums;
 }
 
-/// eqs. IESKF-12, IESKF-14; `gate` [m] of the history.
-void Ieskf::weigh_by_direction(const NavState& at, double gate, Evaluation& sums) {
+/// eq. IESKF-12.
+void Ieskf::find_weak_directions(const NavState& at, const WindowInformation& fresh) {
   const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
-  const double fitted_to = rows == 1 && !residual_->surfaces_from_map() ? sigma_ : 0.0;
-  const DirectionalWeights::Rows fresh{fresh_, rows, std::numeric_limits<double>::infinity(), fitted_to, at.R};
-  directions_.find(fresh, sums.fresh.A);
-  if (!directions_.selects()) return;
-  directions_.select(fresh, sums.fresh);
-  directions_.select({history_, rows, gate, fitted_to, at.R}, sums.history);
+  const bool fitted = rows == 1 && !residual_->surfaces_from_map();
+  directions_.find({fresh_, rows, fitted ? sigma_ : 0.0, at.R}, fresh.A);
 }
 
 /// eq. IESKF-10, while the iterate is the prior. The history is no innovation: its points have been matched before.

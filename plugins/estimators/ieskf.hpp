@@ -120,7 +120,7 @@ class Ieskf final : public Estimator {
   bool has_converged(const StateVector& delta) const;
   bool searches_next(int iteration, bool converged, int converged_steps) const;
   Evaluation linearize(const NavState& at, const StepContext& context);
-  void weigh_by_direction(const NavState& at, double gate, Evaluation& sums);
+  void find_weak_directions(const NavState& at, const WindowInformation& fresh);
   double innovation_per_row(const WindowInformation& fresh) const;
   StateVector step(const NavState& at, const StateVector& d, const StateMatrix& P, const NormalEquations& normal);
   NormalEquations assemble(const Evaluation& sums, double history_weight) const;
