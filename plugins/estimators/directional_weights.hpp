@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "aslio/config/binder.hpp"
 #include "aslio/core/angles.hpp"
