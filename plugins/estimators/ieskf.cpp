@@ -22,7 +22,8 @@ Ieskf::Ieskf(const Params& params, const BuildContext& context)
                     params.deskew_correction == DeskewCorrection::asymptotic
                 ? WindowTrajectory::Spread::linear
                 : WindowTrajectory::Spread::rigid),
-      frame_(context.sensor) {}
+      frame_(context.sensor),
+      directions_(params.directional) {}
 
 void Ieskf::reset(const InitialState& initial) {
   initial_ = initial;
@@ -188,7 +189,15 @@ Ieskf::Evaluation Ieskf::linearize(const NavState& at, const StepContext& contex
   constexpr double none = std::numeric_limits<double>::infinity();
   result_.fresh_matches = static_cast<std::uint32_t>(fresh_.matches(rows, sums.fresh.accepted, none));
   result_.history_matches = static_cast<std::uint32_t>(history_.matches(rows, sums.history.accepted, gate));
+  if (directions_.active()) find_weak_directions(at, sums.fresh);
   return sums;
+}
+
+/// eq. IESKF-12.
+void Ieskf::find_weak_directions(const NavState& at, const WindowInformation& fresh) {
+  const auto rows = static_cast<std::size_t>(residual_->rows_per_match());
+  const bool fitted = rows == 1 && !residual_->surfaces_from_map();
+  directions_.find({fresh_, rows, fitted ? sigma_ : 0.0, at.R}, fresh.A);
 }
 
 /// eq. IESKF-10, while the iterate is the prior. The history is no innovation: its points have been matched before.
@@ -214,6 +223,13 @@ Ieskf::NormalEquations Ieskf::assemble(const Evaluation& sums, double history_we
   normal.A_all = normal.A_new;
   normal.A_all.topLeftCorner<6, 6>() += history_weight * sums.history.A;
   normal.b_all.head<6>() += history_weight * sums.history.b;
+  if (directions_.damps()) {  // eq. IESKF-13
+    const SeenMatrix fresh = directions_.damping(normal.A_new) * normal.A_new;
+    const SeenMatrix L = directions_.damping(normal.A_all), all = L * normal.A_all;
+    normal.A_new = 0.5 * (fresh + fresh.transpose());
+    normal.A_all = 0.5 * (all + all.transpose());
+    normal.b_all = (L * normal.b_all).eval();
+  }
   return normal;
 }
 
@@ -285,20 +301,20 @@ void Ieskf::iterate(const HistorySelection& past, const StepContext& context) {
     const int enough = params_.association == Association::on_convergence ? 2 : 1;
     if (converged_steps >= enough || j + 1 == params_.max_iterations) {
       result_.status = status_of_last_step(settled(turn, params_.converged_deg) && settled(shift, params_.converged_m));
-      return accept(x, P, sums, normal, past);
+      return accept(x, P, normal, past);
     }
     search = searches_next(j, converged, converged_steps);
   }
 }
 
-void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
-                   const NormalEquations& normal, const HistorySelection& past) {
+void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, const NormalEquations& normal,
+                   const HistorySelection& past) {
   const StateMatrix P =
       sensors_.active() ? sensors_.posterior(normal.A_new, normal.A_all, past.covariance)
                         : posterior_covariance<kSeenDim>(P_iterate, seen_, normal.A_new, normal.A_all, past.covariance);
   if (!P.allFinite() || P.diagonal().minCoeff() < 0.0) return refuse(UpdateStatus::non_finite);
 
-  judge_view(result_, last.fresh.A, params_.degenerate_sigma, plan_);
+  judge_view(result_, normal.A_new.topLeftCorner<6, 6>(), params_.degenerate_sigma, plan_);
   unobservable_ = result_.unobservable;
   state_ = posterior;
   P_ = P;

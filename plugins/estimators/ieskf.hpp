@@ -11,6 +11,7 @@
 #include "aslio/toolkit/initial_covariance.hpp"
 #include "aslio/toolkit/registration.hpp"
 #include "aslio/toolkit/velocity_search.hpp"
+#include "estimators/directional_weights.hpp"
 #include "estimators/sensor_states.hpp"
 #include "estimators/window_matches.hpp"
 #include "estimators/window_path.hpp"
@@ -68,6 +69,7 @@ class Ieskf final : public Estimator {
     std::int64_t min_matches = 20;
     double shared_time = 0.05;
     double degenerate_sigma = 0.05;
+    DirectionalWeights::Params directional;
     config::Nested<MotionModel> motion{"imu_midpoint"};
     config::Nested<Residual> residual{"point_to_plane"};
   };
@@ -118,11 +120,12 @@ class Ieskf final : public Estimator {
   bool has_converged(const StateVector& delta) const;
   bool searches_next(int iteration, bool converged, int converged_steps) const;
   Evaluation linearize(const NavState& at, const StepContext& context);
+  void find_weak_directions(const NavState& at, const WindowInformation& fresh);
   double innovation_per_row(const WindowInformation& fresh) const;
   StateVector step(const NavState& at, const StateVector& d, const StateMatrix& P, const NormalEquations& normal);
   NormalEquations assemble(const Evaluation& sums, double history_weight) const;
-  void accept(const NavState& posterior, const StateMatrix& P_iterate, const Evaluation& last,
-              const NormalEquations& normal, const HistorySelection& past);
+  void accept(const NavState& posterior, const StateMatrix& P_iterate, const NormalEquations& normal,
+              const HistorySelection& past);
   void refuse(UpdateStatus status);
   void record_residuals();
   void finish(bool predicted);
@@ -151,6 +154,7 @@ class Ieskf final : public Estimator {
   WindowPath path_;
   DeskewedScan frame_;
   WindowMatches fresh_, history_;
+  DirectionalWeights directions_;
   std::vector<MatchRecord> records_;
   WindowPlan plan_;  ///< of this update
   Update result_;

@@ -82,6 +82,7 @@ void Ieskf::describe(config::Binder& b, Params& p) {
   b.real("degenerate_sigma", p.degenerate_sigma, "m", {.above = 0, .max = 100},
          "an update is marked degenerate when 0.1 s of its view know their weakest direction worse than this "
          "(rotation at a 5 m lever arm)");
+  DirectionalWeights::describe(b, p.directional);
   b.stage("motion", p.motion, "pose and covariance between updates");
   b.stage("residual", p.residual, "what a match measures");
   // Trials of 0.1.0 (docs/decisions.md, section "Tried and withdrawn").

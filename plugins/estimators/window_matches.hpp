@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "aslio/core/types.hpp"
@@ -29,6 +30,18 @@ struct WindowMatches : PointMatches {
   WindowInformation sum_up(Residual& residual, double sigma, const NavState& at, double gate, exec::Executor& exec);
   /// Matches of the last sum, of whose rows `taking_part` took part. `gate` [m] as there.
   std::size_t matches(std::size_t rows_per_match, std::size_t taking_part, double gate) const;
+  /// f(i, row, information) for the rows of the last sum that took part, in order: of point i, with its weight. `gate`
+  /// [m] as there.
+  template <class F>
+  void each_row(std::size_t rows_per_match, double gate, F&& f) const {
+    for (std::size_t i = 0; i < body.size(); ++i) {
+      const auto match = std::span<const ResidualRow>(rows).subspan(i * rows_per_match, rows_per_match);
+      if ((!left_out.empty() && left_out[i] != 0) || !within(match, gate * gate)) continue;
+      for (const ResidualRow& z : match) {
+        if (z.takes_part()) f(i, z, (weight.empty() ? 1.0 : weight[i]) * z.information);
+      }
+    }
+  }
 
  private:
   std::vector<WindowInformation> partials_;
