@@ -41,6 +41,8 @@ void BundlePlanes::describe(config::Binder& b, Params& p) {
          "(0: all alike)");
   b.real("radius", v.radius, "m", {.above = 0.0}, "voxels farther than this from the sensor are forgotten");
   b.flag("faces", v.faces, "separate the points by the side of a wall they are seen from");
+  b.integer("grids", p.grids, "", {.min = 1, .max = 8},
+            "grids of voxels, each moved by an equal part of a voxel. Time and memory grow with their number");
   b.real("keyframe", w.keyframe, "s", {.min = 0.01, .max = 10.0}, "points of this time move together");
   b.real("lag", w.lag, "s", {.min = 0.01, .max = 100.0}, "what is older has settled");
   b.integer("iterations", w.iterations, "", {.min = 0, .max = 100},
@@ -60,7 +62,15 @@ void BundlePlanes::describe(config::Binder& b, Params& p) {
 }
 
 BundlePlanes::BundlePlanes(const Params& params, const BuildContext& context)
-    : voxels_(params.voxels, context.exec), window_(window_params(params)), radius_(params.voxels.radius) {}
+    : window_(window_params(params)), radius_(params.voxels.radius) {
+  const std::int64_t parts = params.grids | 1;  // eq. MAP-5
+  for (std::int64_t i = 0; i < params.grids; ++i)
+    grids_.emplace_back(params.voxels, context.exec, static_cast<double>(i) / static_cast<double>(parts));
+}
+
+void BundlePlanes::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
+  for (std::size_t i = 0; i < grids_.size(); ++i) grids_[i].surfaces(queries, query, out, i, grids_.size());
+}
 
 void BundlePlanes::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
   out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
@@ -70,20 +80,33 @@ void BundlePlanes::correspond(std::span<const Vec3> queries, const MapQuery& que
 InsertCount BundlePlanes::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
   if (points.empty()) return {};
   if (window_.ends(points.front().t)) {
-    window_.revise(voxels_, stamp);
+    window_.revise(grids_, stamp);
     window_.begin(points.front().t, seen_from(points));
   }
-  return voxels_.insert(points, stamp, window_.newest());
+  InsertCount most{points.size(), 0};
+  for (BundleVoxels& grid : grids_)
+    most.inserted = std::max(most.inserted, grid.insert(points, stamp, window_.newest()).inserted);
+  return most;
 }
 
 void BundlePlanes::set_noise_scale(double scale) {
-  voxels_.set_noise_scale(scale);
+  for (BundleVoxels& grid : grids_) grid.set_noise_scale(scale);
   window_.set_noise_scale(scale);
 }
 
+void BundlePlanes::trim(const Vec3& centre_W) {
+  for (BundleVoxels& grid : grids_) grid.trim(centre_W);
+}
+
 void BundlePlanes::clear() {
-  voxels_.clear();
+  for (BundleVoxels& grid : grids_) grid.clear();
   window_.clear();
+}
+
+std::size_t BundlePlanes::memory_bytes() const {
+  std::size_t sum = 0;
+  for (const BundleVoxels& grid : grids_) sum += grid.memory_bytes();
+  return sum;
 }
 
 }  // namespace aslio::plugins

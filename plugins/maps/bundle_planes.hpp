@@ -16,36 +16,36 @@ namespace aslio::plugins {
 /// The map alone is revised: the filter meets the revised planes at its next update. States of the IMU's calibration
 /// are the filter's. A keyframe moves as a whole, and points stay with the voxel that they were first placed in.
 ///
-/// Range and faces are those of `voxel_plane`. With max_stamp a plane counts from the update that found it, however
-/// its points have moved since. Feature classes are not separated. Insertion and adjustment are one loop, the same for
-/// any number of threads. Memory: what the radius holds, and lag / keyframe moments per voxel of the window at most.
+/// Grids are staggered as those of `staggered_planes` (MAP-5). Range and faces are those of `voxel_plane`. With
+/// max_stamp a plane counts from the update that found it, however its points have moved since. Feature classes are not
+/// separated. Insertion and adjustment are one loop, the same for any number of threads. Memory: what the radius holds,
+/// and lag / keyframe moments per voxel of the window at most.
 class BundlePlanes final : public Map {
  public:
   struct Params {
     BundleVoxels::Params voxels;
     BundleWindow::Params window;
+    std::int64_t grids = 1;
   };
   static void describe(config::Binder& b, Params& p);
   BundlePlanes(const Params& params, const BuildContext& context);
 
   MapContent content() const override { return MapContent::surfaces; }
   void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override;
-  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override {
-    voxels_.surfaces(queries, query, out);
-  }
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override;
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
   void set_noise_scale(double scale) override;
-  void trim(const Vec3& centre_W) override { voxels_.trim(centre_W); }
+  void trim(const Vec3& centre_W) override;
   void clear() override;
-  /// Voxels of the coarser level, those of two parts twice.
-  std::size_t size() const override { return voxels_.size(); }
-  std::size_t memory_bytes() const override { return voxels_.memory_bytes(); }
+  /// Voxels of the coarser level of the first grid, those of two parts twice.
+  std::size_t size() const override { return grids_.front().size(); }
+  std::size_t memory_bytes() const override;
   double radius() const override { return radius_; }
-  /// The mean of the points of every part of a voxel of the coarser level, by voxel.
-  void visit(const std::function<void(const Vec3&)>& visitor) const override { voxels_.visit(visitor); }
+  /// The mean of the points of every part of a voxel of the coarser level of the first grid, by voxel.
+  void visit(const std::function<void(const Vec3&)>& visitor) const override { grids_.front().visit(visitor); }
 
  private:
-  BundleVoxels voxels_;
+  std::vector<BundleVoxels> grids_;
   BundleWindow window_;
   double radius_;
 };

@@ -30,11 +30,15 @@ std::array<std::int16_t, 3> steps_of(const Eigen::Vector3f& direction) {
 
 }  // namespace
 
-BundleVoxels::BundleVoxels(const Params& params, exec::Executor& exec)
-    : params_(params), thickness_(params.thickness), aspect_(least_aspect(1.0)), exec_(exec) {}
+BundleVoxels::BundleVoxels(const Params& params, exec::Executor& exec, double phase)
+    : params_(params),
+      thickness_(params.thickness),
+      aspect_(least_aspect(1.0)),
+      offset_(kGridOffset + Vec3::Constant(phase)),
+      exec_(exec) {}
 
 Vec3 BundleVoxels::corner(const VoxelCell& cell) const {
-  return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - kGridOffset);
+  return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - offset_);
 }
 
 template <class With>
@@ -44,20 +48,23 @@ void BundleVoxels::each_node(Root& root, With with) {
   for (std::uint32_t i = 0; i < 8; ++i) with(nodes_[root.node.children + i]);
 }
 
-void BundleVoxels::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
-  exec_.for_ranges(queries.size(), kSurfacesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+void BundleVoxels::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out,
+                            std::size_t from, std::size_t step) const {
+  const std::size_t own = queries.size() > from ? (queries.size() - from - 1) / step + 1 : 0;
+  exec_.for_ranges(own, kSurfacesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     CellBatch cells;
     std::array<std::uint32_t, kBatch> roots{};
     for (std::size_t first = begin; first < end; first += kBatch) {
       const std::size_t count = std::min(kBatch, end - first);
-      const auto point = [&](std::size_t i) -> const Vec3& { return queries[first + i]; };
-      cells.find(count, point, params_.voxel, kGridOffset);
+      const auto place = [&](std::size_t i) { return from + (first + i) * step; };
+      const auto point = [&](std::size_t i) -> const Vec3& { return queries[place(i)]; };
+      cells.find(count, point, params_.voxel, offset_);
       for (std::size_t i = 0; i < count; ++i) index_.prefetch(cells.key(i));
       for (std::size_t i = 0; i < count; ++i) {
         roots[i] = cells.key(i) == CellBatch::kNoCell ? kNone : index_.find(cells.key(i));
         if (roots[i] != kNone) __builtin_prefetch(&roots_[roots[i]].node.longest);
       }
-      for (std::size_t i = 0; i < count; ++i) out[first + i] = surface(point(i), cells.inside(i), roots[i], query);
+      for (std::size_t i = 0; i < count; ++i) out[place(i)] = surface(point(i), cells.inside(i), roots[i], query);
     }
   });
 }
@@ -117,7 +124,7 @@ InsertCount BundleVoxels::insert(std::span<const WorldPoint> points, std::uint32
   for (std::size_t first = 0; first < points.size(); first += kBatch) {
     const auto batch = points.subspan(first, std::min(kBatch, points.size() - first));
     const auto point = [&](std::size_t i) -> const Vec3& { return batch[i].p_W; };
-    cells.find(batch.size(), point, params_.voxel, kGridOffset);
+    cells.find(batch.size(), point, params_.voxel, offset_);
     for (std::size_t i = 0; i < batch.size(); ++i) index_.prefetch(cells.key(i));
     for (std::size_t i = 0; i < batch.size(); ++i) {
       if (cells.key(i) == CellBatch::kNoCell) continue;

@@ -39,11 +39,14 @@ class BundleVoxels {
     std::span<const ClusterPool::Cluster* const> clusters;
   };
 
-  BundleVoxels(const Params& params, exec::Executor& exec);
+  /// `phase`: how far the grid is moved along its diagonal, in voxels. eq. MAP-5
+  BundleVoxels(const Params& params, exec::Executor& exec, double phase);
 
   /// Points of the newest keyframe, `keyframe`.
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp, std::uint32_t keyframe);
-  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const;
+  /// Those of every `step`-th query, from the one at `from` on; the rest of `out` stays as it is.
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out, std::size_t from,
+                std::size_t step) const;
   /// Calls take(Seen) for every plane of the window, in the order in which their voxels came into it.
   void each_plane(const std::function<void(const Seen&)>& take) const;
   /// Points of keyframe `first` + i go to moves[i] p; their planes follow.
@@ -106,6 +109,7 @@ class BundleVoxels {
   Params params_;
   double thickness_;
   double aspect_;
+  Vec3 offset_;  ///< of the grid against the origin, in voxels
   exec::Executor& exec_;
   CellIndex index_;
   Chunked<Root, 10> roots_;

@@ -61,39 +61,45 @@ double BundleWindow::agreement(const BundleVoxels::Seen& seen, const PointMoment
   return 1.0 / (1.0 + off * off / (params_.kernel * params_.kernel));
 }
 
-/// The planes that tell two of the window from each other, or one from what has settled.
-void BundleWindow::add_planes(const BundleVoxels& voxels) {
+/// `share`: how much a point of this grid counts.
+void BundleWindow::add_plane(const BundleVoxels::Seen& seen, double share) {
   const Vec3 origin = keyframes_.front().pose.p;
   const double noise = params_.sigma * params_.sigma * scale_ * scale_,
                shared = params_.plane_sigma * params_.plane_sigma;
-  std::size_t count = 0;
-  const auto tells = [](const BundleVoxels::Seen& seen) { return seen.clusters.size() > 1 || seen.settled->n > 0; };
-  voxels.each_plane([&](const BundleVoxels::Seen& seen) { count += tells(seen) ? 1 : 0; });
-  const auto limit = static_cast<std::size_t>(params_.max_planes);
-  const std::size_t step = (count + limit - 1) / limit;
-  std::size_t number = 0;
-  voxels.each_plane([&](const BundleVoxels::Seen& seen) {
-    if (!tells(seen) || number++ % step != 0) return;
-    clusters_.clear();
-    for (const ClusterPool::Cluster* cluster : seen.clusters) {
-      const double agrees = agreement(seen, cluster->points);
-      if (agrees == 0) continue;
-      const std::uint32_t i = cluster->keyframe - first_;
-      const Pose& pose = keyframes_[i].pose;
-      const Pose to_body = pose.inverse() * Pose{Mat3::Identity(), seen.corner};
-      clusters_.push_back({i, cluster->points.moved(to_body).weighted(agrees / (noise + cluster->points.n * shared))});
-    }
-    PointMoments settled;
-    if (seen.settled->n > 0) {
-      const double per_keyframe = seen.settled->n / seen.settled_keyframes;
-      settled =
-          seen.settled->moved({Mat3::Identity(), seen.corner - origin}).weighted(1.0 / (noise + per_keyframe * shared));
-    }
-    bundle_.add_plane(settled, clusters_);
-  });
+  clusters_.clear();
+  for (const ClusterPool::Cluster* cluster : seen.clusters) {
+    const double agrees = agreement(seen, cluster->points);
+    if (agrees == 0) continue;
+    const std::uint32_t i = cluster->keyframe - first_;
+    const Pose to_body = keyframes_[i].pose.inverse() * Pose{Mat3::Identity(), seen.corner};
+    const double weight = share * agrees / (noise + cluster->points.n * shared);
+    clusters_.push_back({i, cluster->points.moved(to_body).weighted(weight)});
+  }
+  PointMoments settled;
+  if (seen.settled->n > 0) {
+    const double per_keyframe = seen.settled->n / seen.settled_keyframes;
+    settled =
+        seen.settled->moved({Mat3::Identity(), seen.corner - origin}).weighted(share / (noise + per_keyframe * shared));
+  }
+  bundle_.add_plane(settled, clusters_);
 }
 
-void BundleWindow::load(const BundleVoxels& voxels) {
+/// The planes that tell two of the window from each other, or one from what has settled.
+void BundleWindow::add_planes(const std::vector<BundleVoxels>& grids) {
+  const auto tells = [](const BundleVoxels::Seen& seen) { return seen.clusters.size() > 1 || seen.settled->n > 0; };
+  std::size_t count = 0, number = 0;
+  for (const BundleVoxels& grid : grids)
+    grid.each_plane([&](const BundleVoxels::Seen& seen) { count += tells(seen) ? 1 : 0; });
+  const auto limit = static_cast<std::size_t>(params_.max_planes);
+  const std::size_t step = (count + limit - 1) / limit;
+  for (const BundleVoxels& grid : grids) {
+    grid.each_plane([&](const BundleVoxels::Seen& seen) {
+      if (tells(seen) && number++ % step == 0) add_plane(seen, 1.0 / static_cast<double>(grids.size()));
+    });
+  }
+}
+
+void BundleWindow::load(const std::vector<BundleVoxels>& grids) {
   const Vec3 origin = keyframes_.front().pose.p;
   const auto local = [&](const Pose& pose) { return Pose{pose.R, pose.p - origin}; };
   bundle_.clear();
@@ -107,13 +113,13 @@ void BundleWindow::load(const BundleVoxels& voxels) {
       bundle_.add_increment(number - 1, number, keyframe.increment, information(keyframe.seconds));
     }
   }
-  add_planes(voxels);
+  add_planes(grids);
 }
 
 /// False when nothing has moved.
-bool BundleWindow::adjust(BundleVoxels& voxels, std::uint32_t stamp) {
+bool BundleWindow::adjust(std::vector<BundleVoxels>& grids, std::uint32_t stamp) {
   if (params_.iterations == 0 || keyframes_.size() < 2) return false;
-  load(voxels);
+  load(grids);
   if (bundle_.solve().steps == 0) return false;
   const Vec3 origin = keyframes_.front().pose.p;
   moves_.clear();
@@ -123,20 +129,20 @@ bool BundleWindow::adjust(BundleVoxels& voxels, std::uint32_t stamp) {
     moves_.push_back(now * keyframes_[i].pose.inverse());
     keyframes_[i].pose = now;
   }
-  voxels.move(first_, moves_, stamp);
+  for (BundleVoxels& grid : grids) grid.move(first_, moves_, stamp);
   return true;
 }
 
-void BundleWindow::revise(BundleVoxels& voxels, std::uint32_t stamp) {
+void BundleWindow::revise(std::vector<BundleVoxels>& grids, std::uint32_t stamp) {
   if (keyframes_.empty()) return;
-  adjust(voxels, stamp);
+  adjust(grids, stamp);
   const auto most = static_cast<std::size_t>(std::max(1.0, params_.lag / params_.keyframe));
   while (keyframes_.size() > most) {
     settled_ = keyframes_.front().pose;
     keyframes_.pop_front();
     ++first_;
   }
-  voxels.settle(first_, stamp);
+  for (BundleVoxels& grid : grids) grid.settle(first_, stamp);
 }
 
 }  // namespace aslio::plugins
