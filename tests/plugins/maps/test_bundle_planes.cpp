@@ -187,6 +187,33 @@ TEST_CASE("bundle_planes: time that goes back, gaps and a new start leave a map 
   CHECK(room.error(*map) < 0.008);
 }
 
+TEST_CASE("bundle_planes: revised planes have the same bits for any number of threads") {
+  EveryMap fixture;
+  const std::vector<Pose> errors = drift(8, 0.002, 0.005);
+  std::vector<std::vector<Surface>> found;
+  for (const int threads : {1, 4}) {
+    exec::Executor executor(threads);
+    const auto map = fixture.make(bundle("grids: 2, lag: 0.5, max_points: 50"), executor);
+    Room room(8);
+    std::vector<Vec3> queries;
+    for (int i = 0; i < 8; ++i) {
+      const auto points = room.seen(i, errors[static_cast<std::size_t>(i)]);
+      map->insert(points, static_cast<std::uint32_t>(i + 1));
+      for (const WorldPoint& point : points) queries.push_back(point.p_W);
+    }
+    found.emplace_back(queries.size());
+    map->surfaces(queries, {}, found.back());
+  }
+  std::size_t valid = 0;
+  for (std::size_t k = 0; k < found[0].size(); ++k) {
+    REQUIRE(found[0][k].valid == found[1][k].valid);
+    REQUIRE(found[0][k].anchor == found[1][k].anchor);
+    REQUIRE(found[0][k].normal == found[1][k].normal);
+    valid += found[0][k].valid ? 1U : 0U;
+  }
+  CHECK(valid > 10000);
+}
+
 TEST_CASE("bundle_planes refuses a window that is too long for its keyframes") {
   EveryMap fixture;
   CHECK_THROWS_WITH(fixture.make("{type: bundle_planes, lag: 10, keyframe: 0.1}"), Catch::Contains("64 keyframes"));
