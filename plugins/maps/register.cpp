@@ -1,4 +1,5 @@
 #include "aslio/plugin/registry.hpp"
+#include "maps/bundle_planes.hpp"
 #include "maps/feature_maps.hpp"
 #include "maps/ikd_tree.hpp"
 #include "maps/ivox.hpp"
@@ -17,6 +18,8 @@ void register_maps(plugin::Registry<Map>& registry) {
   registry.add<StaggeredPlanes>("staggered_planes",
                                 "Planes of all points in several pyramids of voxels, staggered against each other.");
   registry.add<VoxelPlane>("voxel_plane", "Planes of all points in a pyramid of voxels (VoxelMap).");
+  registry.add<BundlePlanes>("bundle_planes",
+                             "Planes of all points, revised by bundle adjustment over the last seconds (BALM2).");
   registry.add<RecursivePlanes>("recursive_planes",
                                 "Planes found among the points of a voxel, the rest handed on (R-VoxelMap).");
   registry.add<VoxelHash>("voxel_hash", "Exact neighbours from a flat hash of voxels with points as arrays.");
