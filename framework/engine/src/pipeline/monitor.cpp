@@ -271,8 +271,9 @@ void Monitor::judge_fit(double dt) {
   signals_.misfit = signals_.fit_rise + pulled - 0.5 * std::max(signals_.overlap_loss, 0.0);
   const double worse_fit = signals_.fit_rise + std::max(signals_.match_loss, 0.0);
   const bool stirred = since_jump_ < kStirred;
-  const bool misfit =
-      signals_.misfit > (stirred ? kMisfitStirred : kMisfit) && worse_fit > (stirred ? kWorseFitStirred : kWorseFit);
+  // Without an IMU nothing holds a run that the points lead astray: corrections are as good a sign as residuals.
+  const double least = !uses_imu_ ? 0.0 : stirred ? kWorseFitStirred : kWorseFit;
+  const bool misfit = signals_.misfit > (stirred ? kMisfitStirred : kMisfit) && worse_fit > least;
   misfit_for_ = misfit ? misfit_for_ + dt : 0.0;
   const bool rout = worse_fit + pulled > kRout;
   rout_for_ = rout ? rout_for_ + dt : 0.0;
