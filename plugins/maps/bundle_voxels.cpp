@@ -119,6 +119,7 @@ const BundleVoxels::Node* BundleVoxels::facing(const Root& first, const Eigen::V
 }
 
 InsertCount BundleVoxels::insert(std::span<const WorldPoint> points, std::uint32_t stamp, std::uint32_t keyframe) {
+  last_stamp_ = stamp;
   InsertCount count{points.size(), 0};
   CellBatch cells;
   for (std::size_t first = 0; first < points.size(); first += kBatch) {
@@ -324,7 +325,7 @@ void BundleVoxels::set_noise_scale(double scale) {
   for (std::uint32_t number = 0; number < roots_.size(); ++number) {
     if (!roots_[number].in_use) continue;
     each_node(roots_[number], [&](Node& node) {
-      if (!node.planar && node.next_fit > 0) fit(node, node.stamp);
+      if (!node.planar && node.next_fit > 0) fit(node, last_stamp_);
     });
   }
 }

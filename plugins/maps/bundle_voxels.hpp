@@ -108,6 +108,7 @@ class BundleVoxels {
 
   Params params_;
   double thickness_;
+  std::uint32_t last_stamp_ = 0;  ///< of an insertion
   double aspect_;
   Vec3 offset_;  ///< of the grid against the origin, in voxels
   exec::Executor& exec_;

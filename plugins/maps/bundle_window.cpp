@@ -136,7 +136,7 @@ bool BundleWindow::adjust(std::vector<BundleVoxels>& grids, std::uint32_t stamp)
 void BundleWindow::revise(std::vector<BundleVoxels>& grids, std::uint32_t stamp) {
   if (keyframes_.empty()) return;
   adjust(grids, stamp);
-  const auto most = static_cast<std::size_t>(std::max(1.0, params_.lag / params_.keyframe));
+  const auto most = static_cast<std::size_t>(std::max(1.0, std::round(params_.lag / params_.keyframe)));
   while (keyframes_.size() > most) {
     settled_ = keyframes_.front().pose;
     keyframes_.pop_front();

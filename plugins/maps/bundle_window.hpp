@@ -13,7 +13,7 @@ namespace aslio::plugins {
 
 /// A sliding window of keyframes (docs/equations.md MAP-12). A keyframe is the points of a short time, which move
 /// together. Its frame has the axes of W and its origin where the sensor was. When one ends, all of the window are
-/// adjusted to the planes that they see, to the increments by which they came in, and to what has settled.
+/// adjusted to the planes that they see, to the increments between them, and to what has settled.
 class BundleWindow {
  public:
   struct Params {
@@ -46,7 +46,7 @@ class BundleWindow {
   struct Keyframe {
     TimeNs begin = 0;
     Pose pose;             ///< T_W_B as adjusted
-    Pose increment;        ///< from the keyframe before, as it came in
+    Pose increment;        ///< from the keyframe before, as adjusted, to where this one came in
     double seconds = 0;    ///< between both
     bool follows = false;  ///< there is one before
   };

@@ -53,13 +53,20 @@ class Factors(StudyCase):
     def test_a_lost_run_counts_twice_and_both_lost_not(self):
         one = {("indoor_1", 93, "ideal", "adaptive", v) for v in ("fixed", "controlled")}
         kinds, both = factors.effects(study_folder.Study(self.results(0.0, 0.0, one)), "steady", "adaptive", "ate_m", SCENES)
-        self.assertEqual(both, 0)
+        self.assertEqual(sum(both.values()), 0)
         self.assertAlmostEqual(kinds["ideal"]["indoor_1", "93"], math.log(2))
         two = one | {("indoor_1", 93, "ideal", "steady", v) for v in ("fixed", "controlled")}
         kinds, both = factors.effects(study_folder.Study(self.results(0.0, 0.0, two)), "steady", "adaptive", "ate_m", SCENES)
-        self.assertEqual(both, 2)
+        self.assertEqual(both, {"ideal": 2, "realistic": 0})
         self.assertNotIn(("indoor_1", "93"), kinds["ideal"])
         self.assertEqual(len(kinds["ideal"]), 17)
+
+    def test_one_factorial_of_several(self):
+        study = study_folder.Study(self.results(-0.3, 0.4))
+        kinds, _ = factors.effects(study, "fixed", "controlled", "ate_m", SCENES, "steady")
+        self.assertEqual(len(kinds["ideal"]), 18)
+        with self.assertRaises(study_folder.FolderError):
+            factors.effects(study, "steady", "adaptive", "ate_m", SCENES, "steady")
 
     def test_the_command_prints_a_table_and_names_what_is_missing(self):
         folder = self.results(0.0, -0.5)

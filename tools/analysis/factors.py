@@ -32,11 +32,12 @@ def partner(method, first, second):
     return "_".join(first if level == second else level for level in levels)
 
 
-def effects(study, first, second, metric, scenes):
-    """{kind of world: {world: mean log ratio over the other factors}}, number of pairs that both lost."""
-    runs = {(run.method, run.data): run for run in study.runs}
+def effects(study, first, second, metric, scenes, only=""):
+    """{kind of world: {world: mean log ratio over the other factors}}, {kind of world: number of pairs that both lost}."""
+    runs = {(run.method, run.data): run for run in study.runs if run.method.startswith(only)}
     found = collections.defaultdict(lambda: collections.defaultdict(list))
-    pairs = both_lost = 0
+    both_lost = collections.Counter()
+    pairs = 0
     for (method, data), run in runs.items():
         other = runs.get((partner(method, first, second), data))
         if other is None:
@@ -46,20 +47,21 @@ def effects(study, first, second, metric, scenes):
             raise study_folder.FolderError(f"{study.folder}: {data}: no figure {metric} of {method} and {other.method}")
         pairs += 1
         ratio = log_ratio(value, against)
-        both_lost += ratio is None
+        scene, levels = split_name(run.sequence, scenes)
+        kind = "_".join(levels) or "all"
+        both_lost[kind] += ratio is None
         if ratio is not None:
-            scene, kind = split_name(run.sequence, scenes)
-            found["_".join(kind) or "all"][scene, run.seed].append(ratio)
+            found[kind][scene, run.seed].append(ratio)
     if not pairs:
-        raise study_folder.FolderError(f"{study.folder}: no method with {second} beside one with {first}; there are {', '.join(study.methods)}")
+        raise study_folder.FolderError(f"{study.folder}: no method with {second} beside one with {first}; there are {', '.join(sorted({m for m, _ in runs}) or study.methods)}")
     return {kind: {world: float(np.mean(values)) for world, values in worlds.items()} for kind, worlds in found.items()}, both_lost
 
 
-def rows_of(study, factors, metric, scenes):
+def rows_of(study, factors, metric, scenes, only=""):
     for first, second in factors:
-        kinds, both_lost = effects(study, first, second, metric, scenes)
-        for kind in sorted(kinds) or ["all"]:
-            yield [f"{first} to {second}", kind, *row(kinds.get(kind, {}).values(), "helps", "harms"), both_lost]
+        kinds, both_lost = effects(study, first, second, metric, scenes, only)
+        for kind in sorted(both_lost):
+            yield [f"{first} to {second}", kind, *row(kinds.get(kind, {}).values(), "helps", "harms"), both_lost[kind]]
 
 
 def main(arguments):
@@ -67,12 +69,13 @@ def main(arguments):
     parser.add_argument("folder", help="output of aslio experiment")
     parser.add_argument("--factors", required=True, type=lambda text: [tuple(f.split(":")) for f in text.split(",")], help="FIRST:SECOND, separated by commas")
     parser.add_argument("--scenes", default=SCENES, type=lambda text: text.split(","))
+    parser.add_argument("--only", default="", metavar="PREFIX", help="methods whose name begins so: one factorial of several")
     parser.add_argument("--metric", default="ate_m")
     options = parser.parse_args(arguments)
     if any(len(factor) != 2 or not all(factor) for factor in options.factors):
         parser.error("--factors: each is FIRST:SECOND, such as fixed:controlled")
     try:
-        rows = list(rows_of(study_folder.Study(options.folder), options.factors, options.metric, options.scenes))
+        rows = list(rows_of(study_folder.Study(options.folder), options.factors, options.metric, options.scenes, options.only))
     except study_folder.FolderError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

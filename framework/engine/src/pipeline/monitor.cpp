@@ -184,11 +184,14 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
   const bool stirs = tells && signals_.view_jump > kViewStir;
   if (!uses_imu_ || bridged || unread(window)) {
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
+    phantom_slots_ = 0;
     if (stirs) since_jump_ = 0;
   } else if (const auto share = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
     judge_unexplained(*share);
     // What a turn brings into view is where the motion puts it.
     if (stirs && *share > kUnexplainedStirs) since_jump_ = 0;
+  } else if (change) {
+    phantom_slots_ = 0;  // too little is seen again: nothing is said of this sweep
   }
   if (tells && signals_.view_jump > kViewJump) {
     raise(

@@ -23,7 +23,9 @@ template <class Square>
 void clear_rounding(Square& P) {
   constexpr double rounding = 1e-12;  // squared units of the state; more below 0 is an error, for the caller to see
   for (Eigen::Index i = 0; i < P.rows(); ++i) {
-    if (P(i, i) < 0 && P(i, i) > -rounding) P(i, i) = 0;
+    if (!(P(i, i) < 0 && P(i, i) > -rounding)) continue;
+    P.row(i).setZero();
+    P.col(i).setZero();
   }
 }
 
