@@ -19,9 +19,9 @@ namespace aslio::plugins {
 /// are T_W_B of any frame B that the clusters of the keyframe are told in; W should have its origin within some 100 m,
 /// as squares of coordinates are summed. A plane whose two least eigenvalues are equal has no normal, and is left out.
 /// What no term tells needs a prior: an unknown that nothing holds makes solve() fail, and the poses stay. A
-/// plane that is not finite is left out. A failure after some steps leaves the poses of the least sum so far. The order of the
-/// calls decides the bits, nothing else does. clear() keeps the storage. Time: of a plane that K keyframes see, K^2; of
-/// K poses, K^3.
+/// plane that is not finite is left out. A failure after some steps leaves the poses of the least sum so far. The order
+/// of the calls decides the bits, nothing else does. clear() keeps the storage. Time: of a plane that K keyframes see,
+/// K^2; of K poses, K^3.
 class PlaneBundle {
  public:
   struct Params {
