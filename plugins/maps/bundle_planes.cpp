@@ -1,6 +1,6 @@
 #include "maps/bundle_planes.hpp"
 
-#include <algorithm>
+#include "maps/plane_shape.hpp"
 
 namespace aslio::plugins {
 
@@ -62,19 +62,10 @@ void BundlePlanes::describe(config::Binder& b, Params& p) {
 }
 
 BundlePlanes::BundlePlanes(const Params& params, const BuildContext& context)
-    : window_(window_params(params)), radius_(params.voxels.radius) {
-  const std::int64_t parts = params.grids | 1;  // eq. MAP-5
-  for (std::int64_t i = 0; i < params.grids; ++i)
-    grids_.emplace_back(params.voxels, context.exec, static_cast<double>(i) / static_cast<double>(parts));
-}
-
-void BundlePlanes::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
-  for (std::size_t i = 0; i < grids_.size(); ++i) grids_[i].surfaces(queries, query, out, i, grids_.size());
-}
+    : grids_(params.grids, params.voxels, context), window_(window_params(params)), radius_(params.voxels.radius) {}
 
 void BundlePlanes::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
-  out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
-  std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
+  find_no_neighbours(queries, query, out);
 }
 
 InsertCount BundlePlanes::insert(std::span<const WorldPoint> points, std::uint32_t stamp) {
@@ -83,30 +74,17 @@ InsertCount BundlePlanes::insert(std::span<const WorldPoint> points, std::uint32
     window_.revise(grids_, stamp);
     window_.begin(points.front().t, seen_from(points));
   }
-  InsertCount most{points.size(), 0};
-  for (BundleVoxels& grid : grids_)
-    most.inserted = std::max(most.inserted, grid.insert(points, stamp, window_.newest()).inserted);
-  return most;
+  return grids_.insert(points, stamp, window_.newest());
 }
 
 void BundlePlanes::set_noise_scale(double scale) {
-  for (BundleVoxels& grid : grids_) grid.set_noise_scale(scale);
+  grids_.set_noise_scale(scale);
   window_.set_noise_scale(scale);
 }
 
-void BundlePlanes::trim(const Vec3& centre_W) {
-  for (BundleVoxels& grid : grids_) grid.trim(centre_W);
-}
-
 void BundlePlanes::clear() {
-  for (BundleVoxels& grid : grids_) grid.clear();
+  grids_.clear();
   window_.clear();
-}
-
-std::size_t BundlePlanes::memory_bytes() const {
-  std::size_t sum = 0;
-  for (const BundleVoxels& grid : grids_) sum += grid.memory_bytes();
-  return sum;
 }
 
 }  // namespace aslio::plugins

@@ -32,20 +32,22 @@ class BundlePlanes final : public Map {
 
   MapContent content() const override { return MapContent::surfaces; }
   void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override;
-  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override;
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override {
+    grids_.surfaces(queries, query, out);
+  }
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
   void set_noise_scale(double scale) override;
-  void trim(const Vec3& centre_W) override;
+  void trim(const Vec3& centre_W) override { grids_.trim(centre_W); }
   void clear() override;
   /// Voxels of the coarser level of the first grid, those of two parts twice.
   std::size_t size() const override { return grids_.front().size(); }
-  std::size_t memory_bytes() const override;
+  std::size_t memory_bytes() const override { return grids_.memory_bytes(); }
   double radius() const override { return radius_; }
   /// The mean of the points of every part of a voxel of the coarser level of the first grid, by voxel.
   void visit(const std::function<void(const Vec3&)>& visitor) const override { grids_.front().visit(visitor); }
 
  private:
-  std::vector<BundleVoxels> grids_;
+  Staggered<BundleVoxels> grids_;
   BundleWindow window_;
   double radius_;
 };

@@ -5,7 +5,6 @@
 #include <tuple>
 
 #include "maps/octant.hpp"
-#include "maps/plane_shape.hpp"
 
 namespace aslio::plugins {
 
@@ -15,27 +14,14 @@ constexpr std::size_t kSurfacesPerChunk = 256;
 constexpr std::size_t kBatch = CellBatch::kSize;
 constexpr std::uint32_t kNone = CellIndex::kNone;
 constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
-/// Distance from a plane within which a point seen along it is one of its own, in thicknesses.
-constexpr float kOwn = 2;
-/// Of a unit vector, and how many of them a sum of 16 bits holds.
-constexpr float kViewSteps = 127;
-constexpr std::uint32_t kMaxViews = 256;
-
-Eigen::Vector3f sum_of(const std::array<std::int16_t, 3>& view) { return Eigen::Vector3f(view[0], view[1], view[2]); }
-
-std::array<std::int16_t, 3> steps_of(const Eigen::Vector3f& direction) {
-  return {static_cast<std::int16_t>(kViewSteps * direction.x()), static_cast<std::int16_t>(kViewSteps * direction.y()),
-          static_cast<std::int16_t>(kViewSteps * direction.z())};
-}
-
 }  // namespace
 
-BundleVoxels::BundleVoxels(const Params& params, exec::Executor& exec, double phase)
+BundleVoxels::BundleVoxels(const Params& params, const BuildContext& context, double phase)
     : params_(params),
       thickness_(params.thickness),
       aspect_(least_aspect(1.0)),
       offset_(kGridOffset + Vec3::Constant(phase)),
-      exec_(exec) {}
+      exec_(context.exec) {}
 
 Vec3 BundleVoxels::corner(const VoxelCell& cell) const {
   return params_.voxel * (Vec3(cell.x, cell.y, cell.z) - offset_);
@@ -49,14 +35,14 @@ void BundleVoxels::each_node(Root& root, With with) {
 }
 
 void BundleVoxels::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out,
-                            std::size_t from, std::size_t step) const {
-  const std::size_t own = queries.size() > from ? (queries.size() - from - 1) / step + 1 : 0;
+                            QueryShare share) const {
+  const std::size_t own = share.size(queries.size());
   exec_.for_ranges(own, kSurfacesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     CellBatch cells;
     std::array<std::uint32_t, kBatch> roots{};
     for (std::size_t first = begin; first < end; first += kBatch) {
       const std::size_t count = std::min(kBatch, end - first);
-      const auto place = [&](std::size_t i) { return from + (first + i) * step; };
+      const auto place = [&](std::size_t i) { return share.place(first + i); };
       const auto point = [&](std::size_t i) -> const Vec3& { return queries[place(i)]; };
       cells.find(count, point, params_.voxel, offset_);
       for (std::size_t i = 0; i < count; ++i) index_.prefetch(cells.key(i));
@@ -74,22 +60,12 @@ Surface BundleVoxels::surface(const Vec3& query, const Eigen::Vector3f& p, std::
                               const MapQuery& how) const {
   if (first == kNone) return {};
   const Root& root = roots_[first];
-  const Node* node = nullptr;
-  if (params_.faces && how.viewpoint) {
-    node = facing(root, p, (query - *how.viewpoint).cast<float>().normalized(), how.max_stamp);
-  } else {
-    node = plane_at(root, p, how.max_stamp);
-    if (node == nullptr && root.other != kNone) node = plane_at(roots_[root.other], p, how.max_stamp);
-  }
-  if (node == nullptr) return {};
-  Surface found;
-  found.normal = node->normal.cast<double>().normalized();
-  found.anchor = corner(root.cell) + node->mean.cast<double>();
-  found.quality = plane_quality(node->count, params_.doubt, p - node->mean, node->normal, node->along, node->longest,
-                                node->shortest);
-  found.valid = true;
-  found.owner = node;
-  return found;
+  const Root* second = root.other == kNone ? nullptr : &roots_[root.other];
+  const auto plane = [&](const Root& part) { return plane_at(part, p, how.max_stamp); };
+  const Node* node = params_.faces && how.viewpoint
+                         ? facing(root, second, (query - *how.viewpoint).cast<float>().normalized(), plane)
+                         : either(root, second, plane);
+  return node == nullptr ? Surface{} : surface_of(*node, corner(root.cell), p, params_.doubt);
 }
 
 /// The plane of the coarser level at p in this part of its voxel; nullptr if there is none.
@@ -100,22 +76,6 @@ const BundleVoxels::Node* BundleVoxels::plane_at(const Root& root, const Eigen::
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   const Node& part = nodes_[root.node.children + descend(p, 0.5F * static_cast<float>(params_.voxel), low)];
   return part.planar && part.stamp <= max_stamp ? &part : nullptr;
-}
-
-/// Of the planes at p in both parts, one that faces who looks in the direction `view`; else one that is seen along it.
-/// eq. MAP-4.
-const BundleVoxels::Node* BundleVoxels::facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
-                                               std::uint32_t max_stamp) const {
-  const Node* along = nullptr;
-  for (const Root* root = &first;; root = &roots_[first.other]) {
-    const Node* node = plane_at(*root, p, max_stamp);
-    if (node != nullptr) {
-      const float away = node->sided ? view.dot(node->normal) : 0;
-      if (away <= 0) return node;
-      if (away <= kGrazing && along == nullptr) along = node;
-    }
-    if (root != &first || first.other == kNone) return along;
-  }
 }
 
 InsertCount BundleVoxels::insert(std::span<const WorldPoint> points, std::uint32_t stamp, std::uint32_t keyframe) {
@@ -153,46 +113,23 @@ InsertCount BundleVoxels::insert(std::span<const WorldPoint> points, std::uint32
 }
 
 std::uint32_t BundleVoxels::take_root(const VoxelCell& cell) {
-  std::uint32_t number = kNone;
-  if (free_roots_.empty()) {
-    number = static_cast<std::uint32_t>(roots_.grow(1));
-  } else {
-    number = free_roots_.back();
-    free_roots_.pop_back();
-  }
+  const std::uint32_t number = roots_.take();
   Root& root = roots_[number];
-  root = {};
   root.cell = cell;
   root.in_use = true;
-  ++roots_in_use_;
   return number;
 }
 
 /// The part of the voxel that takes a point seen in the direction `view` (unit, or zero). eq. MAP-4.
 std::uint32_t BundleVoxels::part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view) {
   const Root& root = roots_[first];
-  const Node* node = plane_at(root, p, kAll);
-  if (node != nullptr) {
-    const float away = node->sided ? view.dot(node->normal) : 0;
-    const float distance = std::abs((p - node->mean).dot(node->normal));
-    if (away <= 0 || (away <= kGrazing && distance <= kOwn * static_cast<float>(thickness_))) return first;
-  } else if (view.dot(sum_of(root.node.view)) >= 0) {
-    return first;
-  }
+  if (is_of_first(plane_at(root, p, kAll), root.node, p, view, thickness_)) return first;
   if (root.other == kNone) {
     const std::uint32_t second = take_root(root.cell);
     roots_[second].second = true;
     roots_[first].other = second;
   }
   return roots_[first].other;
-}
-
-std::uint32_t BundleVoxels::take_children() {
-  if (free_blocks_.empty()) return static_cast<std::uint32_t>(nodes_.grow(8));
-  const std::uint32_t first = free_blocks_.back();
-  free_blocks_.pop_back();
-  for (std::uint32_t i = 0; i < 8; ++i) nodes_[first + i] = {};
-  return first;
 }
 
 /// Adds a point to its voxels of both levels; false when those take no more.
@@ -210,7 +147,7 @@ bool BundleVoxels::add(std::uint32_t number, const Eigen::Vector3f& p, const Vie
   if (added) touch(root.node, kNone);
   // Parts of a plane are not asked for, and those of a voxel with few points tell nothing.
   if (root.node.planar || root.node.next_fit == 0) return added;
-  if (root.node.children == kNone) root.node.children = take_children();
+  if (root.node.children == kNone) root.node.children = nodes_.take();
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
   const std::uint32_t part = root.node.children + descend(p, 0.5F * static_cast<float>(params_.voxel), low);
   if (take(nodes_[part], p, view, keyframe)) {
@@ -227,10 +164,7 @@ bool BundleVoxels::take(Node& node, const Eigen::Vector3f& p, const ViewSteps& v
   if (cluster.points.n >= static_cast<double>(params_.keyframe_points)) return false;
   cluster.points.add(p.cast<double>());
   if (node.closed) return true;
-  if (++node.count <= kMaxViews) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      node.view[axis] = static_cast<std::int16_t>(node.view[axis] + view[axis]);
-  }
+  count_point(node, view);
   return true;
 }
 
@@ -243,16 +177,7 @@ void BundleVoxels::fit(Node& node, std::uint32_t stamp) {
   const Vec3 mean = all.mean();
   const PlaneShape shape =
       plane_shape(all.scatter() / all.n, {thickness_, aspect_, 1e-9 * params_.voxel * params_.voxel});
-  if (shape.planar && !node.planar) node.stamp = stamp;
-  node.planar = shape.planar;
-  node.mean = mean.cast<float>();
-  node.normal = shape.normal.cast<float>();
-  const float away = sum_of(node.view).dot(node.normal);
-  node.sided = away != 0;
-  if (away > 0) node.normal = -node.normal;
-  node.along = shape.along.cast<float>();
-  node.longest = static_cast<float>(shape.variance[2]);
-  node.shortest = static_cast<float>(shape.variance[1]);
+  set_plane(node, shape, mean, stamp);
 }
 
 void BundleVoxels::each_plane(const std::function<void(const Seen&)>& take) const {
@@ -334,7 +259,7 @@ void BundleVoxels::give_back(Node& node) {
   if (node.children == kNone) return;
   for (std::uint32_t i = 0; i < 8; ++i)
     pool_.leave(nodes_[node.children + i].clusters, kAll, [](const ClusterPool::Cluster&) {});
-  free_blocks_.push_back(node.children);
+  nodes_.give_back(node.children);
   node.children = kNone;
 }
 
@@ -343,8 +268,7 @@ void BundleVoxels::release(std::uint32_t number) {
   give_back(root.node);
   pool_.leave(root.node.clusters, kAll, [](const ClusterPool::Cluster&) {});
   root.in_use = false;
-  free_roots_.push_back(number);
-  --roots_in_use_;
+  roots_.give_back(number);
 }
 
 void BundleVoxels::trim(const Vec3& centre_W) {
@@ -365,19 +289,16 @@ void BundleVoxels::trim(const Vec3& centre_W) {
 void BundleVoxels::clear() {
   index_.clear();
   roots_.clear();
-  free_roots_.clear();
   nodes_.clear();
-  free_blocks_.clear();
   active_.clear();
   pool_.clear();
-  roots_in_use_ = 0;
+  last_stamp_ = 0;
   trims_.reset();
 }
 
 std::size_t BundleVoxels::memory_bytes() const {
   return index_.memory_bytes() + roots_.memory_bytes() + nodes_.memory_bytes() + pool_.memory_bytes() +
-         (free_roots_.capacity() + free_blocks_.capacity() + active_.capacity()) * sizeof(std::uint32_t) +
-         touched_.capacity() * sizeof(Touched);
+         active_.capacity() * sizeof(std::uint32_t) + touched_.capacity() * sizeof(Touched);
 }
 
 void BundleVoxels::visit(const std::function<void(const Vec3&)>& visitor) const {

@@ -6,12 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "aslio/exec/executor.hpp"
+#include "aslio/stages/build_context.hpp"
 #include "aslio/stages/map.hpp"
 #include "aslio/toolkit/cell_batch.hpp"
 #include "aslio/toolkit/trim_gate.hpp"
-#include "maps/chunked.hpp"
 #include "maps/cluster_pool.hpp"
+#include "maps/plane_sides.hpp"
+#include "maps/slots.hpp"
+#include "maps/staggered.hpp"
 
 namespace aslio::plugins {
 
@@ -40,13 +42,12 @@ class BundleVoxels {
   };
 
   /// `phase`: how far the grid is moved along its diagonal, in voxels. eq. MAP-5
-  BundleVoxels(const Params& params, exec::Executor& exec, double phase);
+  BundleVoxels(const Params& params, const BuildContext& context, double phase);
 
   /// Points of the newest keyframe, `keyframe`.
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp, std::uint32_t keyframe);
-  /// Those of every `step`-th query, from the one at `from` on; the rest of `out` stays as it is.
-  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out, std::size_t from,
-                std::size_t step) const;
+  /// Those of a share of the queries; the rest of `out` stays as it is.
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out, QueryShare share) const;
   /// Calls take(Seen) for every plane of the window, in the order in which their voxels came into it.
   void each_plane(const std::function<void(const Seen&)>& take) const;
   /// Points of keyframe `first` + i go to moves[i] p; their planes follow.
@@ -56,12 +57,11 @@ class BundleVoxels {
   void set_noise_scale(double scale);
   void trim(const Vec3& centre_W);
   void clear();
-  std::size_t size() const { return roots_in_use_; }
+  std::size_t size() const { return roots_.in_use(); }
   std::size_t memory_bytes() const;
   void visit(const std::function<void(const Vec3&)>& visitor) const;
 
  private:
-  using ViewSteps = std::array<std::int16_t, 3>;
   struct Node {
     PointMoments settled;  ///< about the corner of the coarsest voxel
     std::uint32_t count = 0;
@@ -91,7 +91,6 @@ class BundleVoxels {
   Vec3 corner(const VoxelCell& cell) const;
   std::uint32_t take_root(const VoxelCell& cell);
   std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view);
-  std::uint32_t take_children();
   void give_back(Node& node);
   void release(std::uint32_t root);
   bool add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view, std::uint32_t keyframe);
@@ -100,8 +99,6 @@ class BundleVoxels {
   void settle(Node& node, std::uint32_t until, std::uint32_t stamp);
   Surface surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first, const MapQuery& how) const;
   const Node* plane_at(const Root& root, const Eigen::Vector3f& p, std::uint32_t max_stamp) const;
-  const Node* facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
-                     std::uint32_t max_stamp) const;
   /// Calls with(node) for a root and what is below it.
   template <class With>
   void each_node(Root& root, With with);
@@ -113,11 +110,8 @@ class BundleVoxels {
   Vec3 offset_;  ///< of the grid against the origin, in voxels
   exec::Executor& exec_;
   CellIndex index_;
-  Chunked<Root, 10> roots_;
-  std::vector<std::uint32_t> free_roots_;
-  std::size_t roots_in_use_ = 0;
-  Chunked<Node, 12> nodes_;
-  std::vector<std::uint32_t> free_blocks_;
+  Slots<Root, 10> roots_;
+  Slots<Node, 12, 8> nodes_;  ///< below the roots
   std::vector<Touched> touched_;
   std::vector<std::uint32_t> active_;  ///< roots with points of the window
   ClusterPool pool_;

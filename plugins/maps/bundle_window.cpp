@@ -85,7 +85,7 @@ void BundleWindow::add_plane(const BundleVoxels::Seen& seen, double share) {
 }
 
 /// The planes that tell two of the window from each other, or one from what has settled.
-void BundleWindow::add_planes(const std::vector<BundleVoxels>& grids) {
+void BundleWindow::add_planes(const Staggered<BundleVoxels>& grids) {
   const auto tells = [](const BundleVoxels::Seen& seen) { return seen.clusters.size() > 1 || seen.settled->n > 0; };
   std::size_t count = 0, number = 0;
   for (const BundleVoxels& grid : grids)
@@ -94,12 +94,12 @@ void BundleWindow::add_planes(const std::vector<BundleVoxels>& grids) {
   const std::size_t step = (count + limit - 1) / limit;
   for (const BundleVoxels& grid : grids) {
     grid.each_plane([&](const BundleVoxels::Seen& seen) {
-      if (tells(seen) && number++ % step == 0) add_plane(seen, 1.0 / static_cast<double>(grids.size()));
+      if (tells(seen) && number++ % step == 0) add_plane(seen, 1.0 / static_cast<double>(grids.count()));
     });
   }
 }
 
-void BundleWindow::load(const std::vector<BundleVoxels>& grids) {
+void BundleWindow::load(const Staggered<BundleVoxels>& grids) {
   const Vec3 origin = keyframes_.front().pose.p;
   const auto local = [&](const Pose& pose) { return Pose{pose.R, pose.p - origin}; };
   bundle_.clear();
@@ -117,7 +117,7 @@ void BundleWindow::load(const std::vector<BundleVoxels>& grids) {
 }
 
 /// False when nothing has moved.
-bool BundleWindow::adjust(std::vector<BundleVoxels>& grids, std::uint32_t stamp) {
+bool BundleWindow::adjust(Staggered<BundleVoxels>& grids, std::uint32_t stamp) {
   if (params_.iterations == 0 || keyframes_.size() < 2) return false;
   load(grids);
   if (bundle_.solve().steps == 0) return false;
@@ -133,7 +133,7 @@ bool BundleWindow::adjust(std::vector<BundleVoxels>& grids, std::uint32_t stamp)
   return true;
 }
 
-void BundleWindow::revise(std::vector<BundleVoxels>& grids, std::uint32_t stamp) {
+void BundleWindow::revise(Staggered<BundleVoxels>& grids, std::uint32_t stamp) {
   if (keyframes_.empty()) return;
   adjust(grids, stamp);
   const auto most = static_cast<std::size_t>(std::max(1.0, std::round(params_.lag / params_.keyframe)));

@@ -36,7 +36,7 @@ class BundleWindow {
   /// A keyframe from t on, seen from `origin` (W).
   void begin(TimeNs t, const Vec3& origin);
   /// Adjusts the poses of all keyframes, moves their points, and settles those that are older than the lag.
-  void revise(std::vector<BundleVoxels>& grids, std::uint32_t stamp);
+  void revise(Staggered<BundleVoxels>& grids, std::uint32_t stamp);
   std::uint32_t newest() const { return first_ + static_cast<std::uint32_t>(keyframes_.size()) - 1; }
   bool empty() const { return keyframes_.empty(); }
   void set_noise_scale(double scale) { scale_ = scale; }
@@ -51,11 +51,11 @@ class BundleWindow {
     bool follows = false;  ///< there is one before
   };
 
-  void load(const std::vector<BundleVoxels>& grids);
-  void add_planes(const std::vector<BundleVoxels>& grids);
+  void load(const Staggered<BundleVoxels>& grids);
+  void add_planes(const Staggered<BundleVoxels>& grids);
   void add_plane(const BundleVoxels::Seen& seen, double share);
   double agreement(const BundleVoxels::Seen& seen, const PointMoments& points) const;
-  bool adjust(std::vector<BundleVoxels>& grids, std::uint32_t stamp);
+  bool adjust(Staggered<BundleVoxels>& grids, std::uint32_t stamp);
   Mat6 information(double seconds) const;
 
   Params params_;

@@ -2,10 +2,10 @@
 /// Point moments of keyframes, in one list per place, newest first.
 
 #include <cstdint>
-#include <vector>
+#include <utility>
 
-#include "maps/chunked.hpp"
 #include "maps/point_moments.hpp"
+#include "maps/slots.hpp"
 
 namespace aslio::plugins {
 
@@ -22,12 +22,7 @@ class ClusterPool {
   /// That of `keyframe` in the list that begins at `head`, made there if the list has none. Pre: no newer one.
   Cluster& of(std::uint32_t& head, std::uint32_t keyframe) {
     if (head != kNone && clusters_[head].keyframe == keyframe) return clusters_[head];
-    std::uint32_t number = free_;
-    if (number == kNone) {
-      number = static_cast<std::uint32_t>(clusters_.grow(1));
-    } else {
-      free_ = clusters_[number].next;
-    }
+    const std::uint32_t number = clusters_.take();
     Cluster& made = clusters_[number];
     made = {{}, keyframe, head};
     head = number;
@@ -50,23 +45,15 @@ class ClusterPool {
     std::uint32_t number = *link;
     *link = kNone;
     while (number != kNone) {
-      Cluster& gone = clusters_[number];
-      with(gone);
-      const std::uint32_t next = gone.next;
-      gone.next = free_;
-      free_ = number;
-      number = next;
+      with(clusters_[number]);
+      clusters_.give_back(std::exchange(number, clusters_[number].next));
     }
   }
-  void clear() {
-    clusters_.clear();
-    free_ = kNone;
-  }
+  void clear() { clusters_.clear(); }
   std::size_t memory_bytes() const { return clusters_.memory_bytes(); }
 
  private:
-  Chunked<Cluster, 10> clusters_;
-  std::uint32_t free_ = kNone;
+  Slots<Cluster, 10> clusters_;
 };
 
 }  // namespace aslio::plugins

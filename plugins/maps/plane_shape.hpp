@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "aslio/core/lie.hpp"
+#include "aslio/stages/map.hpp"
 
 namespace aslio::plugins {
 
@@ -44,6 +46,12 @@ inline double plane_quality(std::uint32_t count, double doubt, const Eigen::Vect
   const float rest = std::max(0.0F, d.squaredNorm() - across * across - along * along);
   const double leverage = 1.0 + static_cast<double>(along * along / longest + rest / shortest);
   return count / (count + doubt * leverage);
+}
+
+/// A map of surfaces keeps no points that could be neighbours.
+inline void find_no_neighbours(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) {
+  out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
+  std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
 }
 
 }  // namespace aslio::plugins

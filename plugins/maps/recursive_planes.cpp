@@ -70,8 +70,7 @@ Vec3 RecursivePlanes::corner(const VoxelCell& cell) const {
 }
 
 void RecursivePlanes::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
-  out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
-  std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
+  find_no_neighbours(queries, query, out);
 }
 
 void RecursivePlanes::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {
@@ -114,17 +113,10 @@ Surface RecursivePlanes::surface(const Vec3& query, const MapQuery& how) const {
 std::uint32_t RecursivePlanes::root_at(const VoxelCell& cell) {
   std::uint32_t number = index_.find(pack(cell));
   if (number != kNone) return number;
-  if (free_roots_.empty()) {
-    number = static_cast<std::uint32_t>(roots_.grow(1));
-  } else {
-    number = free_roots_.back();
-    free_roots_.pop_back();
-  }
+  number = roots_.take();
   Root& root = roots_[number];
-  root = {};
   root.cell = cell;
   root.in_use = true;
-  ++roots_in_use_;
   index_.insert(pack(cell), number);
   return number;
 }
@@ -256,7 +248,7 @@ void RecursivePlanes::judge(Node& node, const Place& place) {
 
 bool RecursivePlanes::hand_on(Node& node, const Place& place, const Seen& seen) {
   if (place.level + 1 >= params_.levels) return false;
-  if (node.children == kNone) node.children = take_children();
+  if (node.children == kNone) node.children = nodes_.take();
   Place below = place;
   below.edge *= 0.5F;
   ++below.level;
@@ -264,27 +256,18 @@ bool RecursivePlanes::hand_on(Node& node, const Place& place, const Seen& seen) 
   return add(nodes_[node.children + octant], below, seen);
 }
 
-std::uint32_t RecursivePlanes::take_children() {
-  if (free_blocks_.empty()) return static_cast<std::uint32_t>(nodes_.grow(8));
-  const std::uint32_t first = free_blocks_.back();
-  free_blocks_.pop_back();
-  for (std::uint32_t i = 0; i < 8; ++i) nodes_[first + i] = {};
-  return first;
-}
-
 void RecursivePlanes::release(Node& node) {
   if (node.sample.capacity > 0) pool_.give_back(std::exchange(node.sample, {}));
   if (node.children == kNone) return;
   for (std::uint32_t i = 0; i < 8; ++i) release(nodes_[node.children + i]);
-  free_blocks_.push_back(std::exchange(node.children, kNone));
+  nodes_.give_back(std::exchange(node.children, kNone));
 }
 
 void RecursivePlanes::drop(std::uint32_t number) {
   index_.erase(pack(roots_[number].cell));
   release(roots_[number].node);
   roots_[number].in_use = false;
-  free_roots_.push_back(number);
-  --roots_in_use_;
+  roots_.give_back(number);
 }
 
 void RecursivePlanes::trim(const Vec3& centre_W) {
@@ -300,17 +283,13 @@ void RecursivePlanes::clear() {
   index_.clear();
   pool_.clear();
   roots_.clear();
-  free_roots_.clear();
   nodes_.clear();
-  free_blocks_.clear();
-  roots_in_use_ = 0;
   reopened_ = 0;
   trims_.reset();
 }
 
 std::size_t RecursivePlanes::memory_bytes() const {
-  return sizeof(*this) + index_.memory_bytes() + pool_.memory_bytes() + roots_.memory_bytes() + nodes_.memory_bytes() +
-         (free_roots_.capacity() + free_blocks_.capacity()) * sizeof(std::uint32_t);
+  return sizeof(*this) + index_.memory_bytes() + pool_.memory_bytes() + roots_.memory_bytes() + nodes_.memory_bytes();
 }
 
 void RecursivePlanes::visit_planes(const Node& node, const Vec3& low,

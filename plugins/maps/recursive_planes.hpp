@@ -12,8 +12,8 @@
 #include "aslio/stages/map.hpp"
 #include "aslio/toolkit/block_pool.hpp"
 #include "aslio/toolkit/trim_gate.hpp"
-#include "maps/chunked.hpp"
 #include "maps/sampled_plane.hpp"
+#include "maps/slots.hpp"
 
 namespace aslio::plugins {
 
@@ -55,7 +55,7 @@ class RecursivePlanes final : public Map {
   void trim(const Vec3& centre_W) override;
   void clear() override;
   /// Voxels of the coarsest level.
-  std::size_t size() const override { return roots_in_use_; }
+  std::size_t size() const override { return roots_.in_use(); }
   std::size_t memory_bytes() const override;
   double radius() const override { return params_.radius; }
   /// The mean of the plane of every voxel, of all levels, that has one, by voxel of the coarsest level.
@@ -104,7 +104,6 @@ class RecursivePlanes final : public Map {
   void keep(Node& node, const Seen& seen);
   void judge(Node& node, const Place& place);
   bool hand_on(Node& node, const Place& place, const Seen& seen);
-  std::uint32_t take_children();
   void release(Node& node);
   void drop(std::uint32_t number);
   Surface surface(const Vec3& query, const MapQuery& how) const;
@@ -119,11 +118,8 @@ class RecursivePlanes final : public Map {
   std::uint64_t reopened_ = 0;
   CellIndex index_;
   BlockPool pool_;
-  Chunked<Root, 10> roots_;
-  std::vector<std::uint32_t> free_roots_;
-  std::size_t roots_in_use_ = 0;
-  Chunked<Node, 12> nodes_;  ///< below the roots, in blocks of eight
-  std::vector<std::uint32_t> free_blocks_;
+  Slots<Root, 10> roots_;
+  Slots<Node, 12, 8> nodes_;           ///< below the roots
   std::vector<std::uint8_t> lies_on_;  ///< of a sample, reused
   TrimGate trims_;
 };

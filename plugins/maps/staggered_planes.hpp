@@ -1,8 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <vector>
-
 #include "maps/voxel_plane.hpp"
 
 namespace aslio::plugins {
@@ -24,21 +21,27 @@ class StaggeredPlanes final : public Map {
   StaggeredPlanes(const Params& params, const BuildContext& context);
 
   MapContent content() const override { return MapContent::surfaces; }
-  void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override;
-  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override;
+  void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override {
+    grids_.front().correspond(queries, query, out);
+  }
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override {
+    grids_.surfaces(queries, query, out);
+  }
   /// Inserted: as many as the grid that took most.
-  InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
-  void set_noise_scale(double scale) override;
-  void trim(const Vec3& centre_W) override;
-  void clear() override;
+  InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override {
+    return grids_.insert(points, stamp);
+  }
+  void set_noise_scale(double scale) override { grids_.set_noise_scale(scale); }
+  void trim(const Vec3& centre_W) override { grids_.trim(centre_W); }
+  void clear() override { grids_.clear(); }
   /// Of the first grid, as what visit() tells: all have the same points.
-  std::size_t size() const override { return grids_.front()->size(); }
-  std::size_t memory_bytes() const override;
-  double radius() const override { return grids_.front()->radius(); }
-  void visit(const std::function<void(const Vec3&)>& visitor) const override { grids_.front()->visit(visitor); }
+  std::size_t size() const override { return grids_.front().size(); }
+  std::size_t memory_bytes() const override { return grids_.memory_bytes(); }
+  double radius() const override { return grids_.front().radius(); }
+  void visit(const std::function<void(const Vec3&)>& visitor) const override { grids_.front().visit(visitor); }
 
  private:
-  std::vector<std::unique_ptr<VoxelPlane>> grids_;
+  Staggered<VoxelPlane> grids_;
 };
 
 }  // namespace aslio::plugins

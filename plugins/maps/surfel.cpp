@@ -93,8 +93,7 @@ std::uint32_t Surfel::find_ahead(const CellBatch& batch, std::size_t i) const {
 }
 
 void Surfel::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
-  out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
-  std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
+  find_no_neighbours(queries, query, out);
 }
 
 void Surfel::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const {

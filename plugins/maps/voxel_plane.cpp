@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "maps/octant.hpp"
-#include "maps/plane_shape.hpp"
 
 namespace aslio::plugins {
 
@@ -23,14 +22,6 @@ constexpr std::uint32_t kNone = CellIndex::kNone;
 constexpr double kRoundingPoints = 500;
 /// Of so many points the sums err by less than what a LiDAR's noise leaves; of a million, they lose whole points.
 constexpr double kMaxPoints = 10000;
-/// Distance from a plane within which a point seen along it is one of its own, in thicknesses.
-constexpr float kOwn = 2;
-/// Of a unit vector, and how many of them a sum of 16 bits holds.
-constexpr float kViewSteps = 127;
-constexpr std::uint32_t kMaxViews = 256;
-
-Eigen::Vector3f sum_of(const std::array<std::int16_t, 3>& view) { return Eigen::Vector3f(view[0], view[1], view[2]); }
-
 }  // namespace
 
 void VoxelPlane::describe(config::Binder& b, Params& p) {
@@ -94,12 +85,11 @@ Vec3 VoxelPlane::corner(const VoxelCell& cell) const {
 }
 
 void VoxelPlane::correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const {
-  out.resize(queries.size(), std::clamp(query.k, 1, Neighbours::kMax));
-  std::fill(out.count.begin(), out.count.end(), std::uint8_t{0});
+  find_no_neighbours(queries, query, out);
 }
 
 void VoxelPlane::surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out,
-                          Share share) const {
+                          QueryShare share) const {
   const std::size_t own = share.size(queries.size());
   exec_.for_ranges(own, kSurfacesPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     CellBatch cells;
@@ -119,21 +109,12 @@ inline Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, 
                                    const MapQuery& how) const {
   if (first == kNone) return {};
   const Root& root = roots_[first];
-  const Node* node = nullptr;
-  if (params_.faces && how.viewpoint) {
-    node = facing(root, p, (query - *how.viewpoint).cast<float>().normalized(), how.max_stamp);
-  } else {
-    node = plane_at(root, p, how.max_stamp);
-    if (node == nullptr && root.other != kNone) node = plane_at(roots_[root.other], p, how.max_stamp);
-  }
-  if (node == nullptr) return {};
-  Surface found;
-  found.normal = node->normal.cast<double>().normalized();
-  found.anchor = corner(root.cell) + node->mean.cast<double>();
-  found.quality = quality(*node, p);
-  found.valid = true;
-  found.owner = node;
-  return found;
+  const Root* second = root.other == kNone ? nullptr : &roots_[root.other];
+  const auto plane = [&](const Root& part) { return plane_at(part, p, how.max_stamp); };
+  const Node* node = params_.faces && how.viewpoint
+                         ? facing(root, second, (query - *how.viewpoint).cast<float>().normalized(), plane)
+                         : either(root, second, plane);
+  return node == nullptr ? Surface{} : surface_of(*node, corner(root.cell), p, params_.doubt);
 }
 
 /// The plane of the coarsest level at p in this part of its voxel; nullptr if there is none.
@@ -145,22 +126,6 @@ inline const VoxelPlane::Node* VoxelPlane::plane_at(const Root& root, const Eige
     if (node->planar && node->stamp <= max_stamp) return node;
     if (node->children == kNone) return nullptr;
     edge *= 0.5F;
-  }
-}
-
-/// Of the planes at p in both parts, one that faces who looks in the direction `view`; else one that is seen along it.
-/// eq. MAP-4.
-inline const VoxelPlane::Node* VoxelPlane::facing(const Root& first, const Eigen::Vector3f& p,
-                                                  const Eigen::Vector3f& view, std::uint32_t max_stamp) const {
-  const Node* along = nullptr;
-  for (const Root* root = &first;; root = &roots_[first.other]) {
-    const Node* node = plane_at(*root, p, max_stamp);
-    if (node != nullptr) {
-      const float away = node->sided ? view.dot(node->normal) : 0;
-      if (away <= 0) return node;
-      if (away <= kGrazing && along == nullptr) along = node;
-    }
-    if (root != &first || first.other == kNone) return along;
   }
 }
 
@@ -184,8 +149,7 @@ InsertCount VoxelPlane::insert(std::span<const WorldPoint> points, std::uint32_t
       if (params_.faces) {
         const Eigen::Vector3f direction = toward.normalized();
         part = part_for(root, p, direction);
-        for (int axis = 0; axis < 3; ++axis)
-          view[static_cast<std::size_t>(axis)] = static_cast<std::int16_t>(kViewSteps * direction[axis]);
+        view = steps_of(direction);
       }
       count.inserted += add(part, p, view) ? 1U : 0U;
     }
@@ -225,32 +189,18 @@ std::uint32_t VoxelPlane::root_at(std::uint64_t key, const VoxelCell& cell) {
 }
 
 std::uint32_t VoxelPlane::take_root(const VoxelCell& cell) {
-  std::uint32_t number = kNone;
-  if (free_roots_.empty()) {
-    number = static_cast<std::uint32_t>(roots_.grow(1));
-  } else {
-    number = free_roots_.back();
-    free_roots_.pop_back();
-  }
+  const std::uint32_t number = roots_.take();
   Root& root = roots_[number];
-  root = {};
   root.cell = cell;
   root.in_use = true;
-  ++roots_in_use_;
   return number;
 }
 
 /// The part of the voxel that takes a point seen in the direction `view` (unit, or zero). eq. MAP-4.
 inline std::uint32_t VoxelPlane::part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view) {
   const Root& root = roots_[first];
-  const Node* node = plane_at(root, p, std::numeric_limits<std::uint32_t>::max());
-  if (node != nullptr) {
-    const float away = node->sided ? view.dot(node->normal) : 0;
-    const float distance = std::abs((p - node->mean).dot(node->normal));
-    if (away <= 0 || (away <= kGrazing && distance <= kOwn * static_cast<float>(thickness_))) return first;
-  } else if (view.dot(sum_of(root.node.view)) >= 0) {
-    return first;
-  }
+  const Node* plane = plane_at(root, p, std::numeric_limits<std::uint32_t>::max());
+  if (is_of_first(plane, root.node, p, view, thickness_)) return first;
   if (root.other == kNone) {
     const std::uint32_t second = take_root(root.cell);
     roots_[second].second = true;
@@ -285,14 +235,6 @@ void VoxelPlane::unite(std::uint32_t first) {
   roots_[first].other = kNone;
 }
 
-std::uint32_t VoxelPlane::take_children() {
-  if (free_blocks_.empty()) return static_cast<std::uint32_t>(nodes_.grow(8));
-  const std::uint32_t first = free_blocks_.back();
-  free_blocks_.pop_back();
-  for (std::uint32_t i = 0; i < 8; ++i) nodes_[first + i] = {};
-  return first;
-}
-
 /// Adds a point to its voxels of all levels; false when those are closed.
 inline bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view) {
   std::uint32_t number = kNone;
@@ -312,7 +254,7 @@ inline bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const 
     if (node.planar || level + 1 == params_.levels) return added;
     if (node.children == kNone) {
       if (node.next_fit == 0) return added;
-      const std::uint32_t children = take_children();
+      const std::uint32_t children = nodes_.take();
       (number == kNone ? roots_[root].node : nodes_[number]).children = children;
     }
     half *= 0.5F;
@@ -321,10 +263,7 @@ inline bool VoxelPlane::add(std::uint32_t root, const Eigen::Vector3f& p, const 
 }
 
 inline void VoxelPlane::sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view) {
-  if (++node.count <= kMaxViews) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      node.view[axis] = static_cast<std::int16_t>(node.view[axis] + view[axis]);
-  }
+  count_point(node, view);
   node.sum += p;
   std::size_t k = 0;
   for (int i = 0; i < 3; ++i)
@@ -345,17 +284,7 @@ void VoxelPlane::fit(Node& node, std::uint32_t stamp) {
   const Mat3 covariance = sums.cast<double>() / n - mean * mean.transpose();
   const double rounding = kRounding * std::max(1.0, std::pow(n / kRoundingPoints, 2));
   const PlaneShape shape = plane_shape(covariance, {thickness_, aspect_, rounding * params_.voxel * params_.voxel});
-  if (shape.planar && !node.planar) node.stamp = stamp;
-  node.planar = shape.planar;
-  node.mean = mean.cast<float>();
-  node.normal = shape.normal.cast<float>();
-  const Eigen::Vector3f view = sum_of(node.view);
-  const float away = view.dot(node.normal);
-  node.sided = away != 0;
-  if (away > 0) node.normal = -node.normal;
-  node.along = shape.along.cast<float>();
-  node.longest = static_cast<float>(shape.variance[2]);
-  node.shortest = static_cast<float>(shape.variance[1]);
+  set_plane(node, shape, mean, stamp);
   if (shape.planar && closed(node)) give_back(node);  // its parts will never be asked for
 }
 
@@ -379,16 +308,11 @@ void VoxelPlane::judge_again(Node& node) {
   for (std::uint32_t i = 0; i < 8; ++i) judge_again(nodes_[node.children + i]);
 }
 
-/// eq. MAP-2.
-inline double VoxelPlane::quality(const Node& node, const Eigen::Vector3f& p) const {
-  return plane_quality(node.count, params_.doubt, p - node.mean, node.normal, node.along, node.longest, node.shortest);
-}
-
 /// The blocks below a node. One that is yet to be fitted, being below, must not give its own back again.
 void VoxelPlane::give_back(Node& node) {
   if (node.children == kNone) return;
   for (std::uint32_t i = 0; i < 8; ++i) give_back(nodes_[node.children + i]);
-  free_blocks_.push_back(node.children);
+  nodes_.give_back(node.children);
   node.children = kNone;
 }
 
@@ -402,8 +326,7 @@ void VoxelPlane::drop(std::uint32_t first) {
 void VoxelPlane::release(std::uint32_t root) {
   give_back(roots_[root].node);
   roots_[root].in_use = false;
-  free_roots_.push_back(root);
-  --roots_in_use_;
+  roots_.give_back(root);
 }
 
 void VoxelPlane::trim(const Vec3& centre_W) {
@@ -418,18 +341,13 @@ void VoxelPlane::trim(const Vec3& centre_W) {
 void VoxelPlane::clear() {
   index_.clear();
   roots_.clear();
-  free_roots_.clear();
   nodes_.clear();
-  free_blocks_.clear();
-  roots_in_use_ = 0;
   last_stamp_ = 0;
   trims_.reset();
 }
 
 std::size_t VoxelPlane::memory_bytes() const {
-  return index_.memory_bytes() + roots_.memory_bytes() + nodes_.memory_bytes() +
-         (free_roots_.capacity() + free_blocks_.capacity()) * sizeof(std::uint32_t) +
-         touched_.capacity() * sizeof(Touched);
+  return index_.memory_bytes() + roots_.memory_bytes() + nodes_.memory_bytes() + touched_.capacity() * sizeof(Touched);
 }
 
 void VoxelPlane::visit(const std::function<void(const Vec3&)>& visitor) const {

@@ -7,7 +7,9 @@
 #include "aslio/stages/map.hpp"
 #include "aslio/toolkit/cell_batch.hpp"
 #include "aslio/toolkit/trim_gate.hpp"
-#include "maps/chunked.hpp"
+#include "maps/plane_sides.hpp"
+#include "maps/slots.hpp"
+#include "maps/staggered.hpp"
 
 namespace aslio::plugins {
 
@@ -42,13 +44,6 @@ class VoxelPlane final : public Map {
     double radius = 150.0;
     bool faces = true;
   };
-  /// Every `step`-th of some queries, from the one at `first` on.
-  struct Share {
-    std::size_t first = 0, step = 1;
-    /// How many of `all` queries are in it, and the place of the i-th of those among all.
-    std::size_t size(std::size_t all) const { return all > first ? (all - first - 1) / step + 1 : 0; }
-    std::size_t place(std::size_t i) const { return first + i * step; }
-  };
   static void describe(config::Binder& b, Params& p);
   /// `phase`: how far the grid is moved along its diagonal, in voxels.
   VoxelPlane(const Params& params, const BuildContext& context, double phase = 0);
@@ -57,24 +52,22 @@ class VoxelPlane final : public Map {
   void correspond(std::span<const Vec3> queries, const MapQuery& query, Neighbours& out) const override;
   /// With max_stamp: a plane counts from the update at which its voxel became one.
   void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out) const override {
-    surfaces(queries, query, out, {});
+    surfaces(queries, query, out, QueryShare{});
   }
   /// Those of a share of the queries; the rest of `out` stays as it is.
-  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out, Share share) const;
+  void surfaces(std::span<const Vec3> queries, const MapQuery& query, std::span<Surface> out, QueryShare share) const;
   InsertCount insert(std::span<const WorldPoint> points, std::uint32_t stamp) override;
   void set_noise_scale(double scale) override;
   void trim(const Vec3& centre_W) override;
   void clear() override;
   /// Voxels of the coarsest level, those of two parts twice.
-  std::size_t size() const override { return roots_in_use_; }
+  std::size_t size() const override { return roots_.in_use(); }
   std::size_t memory_bytes() const override;
   double radius() const override { return params_.radius; }
   /// The mean of the points of every part of a voxel of the coarsest level, by voxel.
   void visit(const std::function<void(const Vec3&)>& visitor) const override;
 
  private:
-  /// A view of a point in steps of 1 / kViewSteps.
-  using ViewSteps = std::array<std::int16_t, 3>;
   /// Coordinates are relative to the corner of the root voxel [m]: floats, for there are many and all are small.
   struct Node {
     std::uint32_t count = 0;
@@ -113,19 +106,15 @@ class VoxelPlane final : public Map {
   inline std::uint32_t part_for(std::uint32_t first, const Eigen::Vector3f& p, const Eigen::Vector3f& view);
   void unite(std::uint32_t first);
   void release(std::uint32_t root);
-  std::uint32_t take_children();
   void give_back(Node& node);
   inline bool add(std::uint32_t root, const Eigen::Vector3f& p, const ViewSteps& view);
   static inline void sum_up(Node& node, const Eigen::Vector3f& p, const ViewSteps& view);
   void fit(Node& node, std::uint32_t stamp);
   void judge_again(Node& node);
   bool closed(const Node& node) const { return node.count >= static_cast<std::uint32_t>(params_.max_points); }
-  inline double quality(const Node& node, const Eigen::Vector3f& p) const;
   void drop(std::uint32_t first);
   inline Surface surface(const Vec3& query, const Eigen::Vector3f& p, std::uint32_t first, const MapQuery& how) const;
   inline const Node* plane_at(const Root& root, const Eigen::Vector3f& p, std::uint32_t max_stamp) const;
-  inline const Node* facing(const Root& first, const Eigen::Vector3f& p, const Eigen::Vector3f& view,
-                            std::uint32_t max_stamp) const;
 
   Params params_;
   double thickness_;  ///< for the noise there is [m]
@@ -134,11 +123,8 @@ class VoxelPlane final : public Map {
   Vec3 offset_;  ///< of the grid against the origin, in voxels
   exec::Executor& exec_;
   CellIndex index_;
-  Chunked<Root, 10> roots_;
-  std::vector<std::uint32_t> free_roots_;
-  std::size_t roots_in_use_ = 0;
-  Chunked<Node, 12> nodes_;  ///< below the roots, in blocks of eight
-  std::vector<std::uint32_t> free_blocks_;
+  Slots<Root, 10> roots_;
+  Slots<Node, 12, 8> nodes_;  ///< below the roots
   std::vector<Touched> touched_;
   TrimGate trims_;
 };
