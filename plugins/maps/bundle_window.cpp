@@ -38,7 +38,6 @@ void BundleWindow::begin(TimeNs t, const Vec3& origin) {
     const Keyframe& before = keyframes_.back();
     next.increment = before.pose.inverse() * next.pose;
     next.seconds = std::max(to_seconds(t - before.begin), kLeastSeconds);
-    next.follows = true;
   }
   keyframes_.push_back(next);
 }
@@ -105,7 +104,7 @@ void BundleWindow::load(const Staggered<BundleVoxels>& grids) {
   bundle_.clear();
   for (const Keyframe& keyframe : keyframes_) {
     const std::uint32_t number = bundle_.add_pose(local(keyframe.pose));
-    if (!keyframe.follows) {
+    if (keyframe.seconds == 0) {
       bundle_.add_prior(number, local(keyframe.pose), Mat6::Identity() / (kFirstSigma * kFirstSigma));
     } else if (number == 0) {
       bundle_.add_prior(0, local(settled_ * keyframe.increment), information(keyframe.seconds));
@@ -116,11 +115,10 @@ void BundleWindow::load(const Staggered<BundleVoxels>& grids) {
   add_planes(grids);
 }
 
-/// False when nothing has moved.
-bool BundleWindow::adjust(Staggered<BundleVoxels>& grids, std::uint32_t stamp) {
-  if (params_.iterations == 0 || keyframes_.size() < 2) return false;
+void BundleWindow::adjust(Staggered<BundleVoxels>& grids, std::uint32_t stamp) {
+  if (params_.iterations == 0 || keyframes_.size() < 2) return;
   load(grids);
-  if (bundle_.solve().steps == 0) return false;
+  if (bundle_.solve().steps == 0) return;
   const Vec3 origin = keyframes_.front().pose.p;
   moves_.clear();
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
@@ -130,7 +128,6 @@ bool BundleWindow::adjust(Staggered<BundleVoxels>& grids, std::uint32_t stamp) {
     keyframes_[i].pose = now;
   }
   for (BundleVoxels& grid : grids) grid.move(first_, moves_, stamp);
-  return true;
 }
 
 void BundleWindow::revise(Staggered<BundleVoxels>& grids, std::uint32_t stamp) {

@@ -45,17 +45,16 @@ class BundleWindow {
  private:
   struct Keyframe {
     TimeNs begin = 0;
-    Pose pose;             ///< T_W_B as adjusted
-    Pose increment;        ///< from the keyframe before, as adjusted, to where this one came in
-    double seconds = 0;    ///< between both
-    bool follows = false;  ///< there is one before
+    Pose pose;           ///< T_W_B as adjusted
+    Pose increment;      ///< from the keyframe before, as adjusted, to where this one came in
+    double seconds = 0;  ///< between both; 0: this is the first
   };
 
   void load(const Staggered<BundleVoxels>& grids);
   void add_planes(const Staggered<BundleVoxels>& grids);
   void add_plane(const BundleVoxels::Seen& seen, double share);
   double agreement(const BundleVoxels::Seen& seen, const PointMoments& points) const;
-  bool adjust(Staggered<BundleVoxels>& grids, std::uint32_t stamp);
+  void adjust(Staggered<BundleVoxels>& grids, std::uint32_t stamp);
   Mat6 information(double seconds) const;
 
   Params params_;
