@@ -3,6 +3,7 @@
 #include "samplers/controlled_voxel.hpp"
 #include "samplers/curvature_features.hpp"
 #include "samplers/range.hpp"
+#include "samplers/rate.hpp"
 #include "samplers/stride.hpp"
 #include "samplers/voxel.hpp"
 
@@ -15,6 +16,7 @@ void register_samplers(plugin::Registry<Sampler>& registry) {
   registry.add<ControlledVoxel>("controlled_voxel", "voxel whose leaf holds the number of points left (GenZ-LIO)");
   registry.add<CurvatureFeatures>("curvature_features", "keeps points on edges and planes, and marks which (LOAM)");
   registry.add<RangeSampler>("range", "drops points nearer or farther than two ranges");
+  registry.add<RateSampler>("rate", "keeps at most so many points of a second of the stream");
   registry.add<StrideSampler>("stride", "keeps every k-th point of the stream, or a share of its firings");
   registry.add<VoxelSampler>("voxel", "keeps one point per cube of the de-skewed frame");
 }

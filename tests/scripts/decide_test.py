@@ -248,7 +248,7 @@ class Verdicts(StudyCase):
         judged = {path.stem for path in files if "\nexpectation:" in path.read_text(encoding="utf-8")}
         names = {path.stem for path in files}
         # Those of the overlap degree have scripts of their own. None is judged twice.
-        self.assertEqual(names - judged - set(decide.RULES), {"sod_against_imu", "sod_voxel_size", "adaptivity_worlds", "floor", "tune_systems", "where_it_pays", "starvation", "genz_ac_ablation", "tuned", "ladder", "what_should_adapt"})
+        self.assertEqual(names - judged - set(decide.RULES), {"sod_against_imu", "sod_voxel_size", "adaptivity_worlds", "floor", "tune_systems", "where_it_pays", "starvation", "genz_ac_ablation", "tuned", "ladder", "what_should_adapt", "map_rate"})
         self.assertEqual(set(decide.RULES) - (names - judged), set())
 
     def test_runs_of_different_pipelines_are_told(self):

@@ -41,6 +41,10 @@ TEST_CASE("every registered sampler thins, and only ever clears bits") {
     std::size_t cleared = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       test::Batch batch = test::random_batch(20000, seed, seed % 2 == 0 ? 1.0f : 120.0f, true);
+      for (TimedPoint& point : batch.raw) {  // of a stream of two million points a second
+        point.index += static_cast<std::uint32_t>(seed) * 2'000'000U;
+        point.t += static_cast<TimeNs>(seed) * kSecond;
+      }
       const auto before = batch.uses;
       SampleBatch view = batch.view();
       if (sampler->acts_on() == Sampler::ActsOn::raw) view.body = {};
