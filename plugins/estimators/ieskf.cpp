@@ -321,6 +321,10 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
   result_.accepted = true;
   result_.insert = true;
   if (velocity_.active()) find_velocity_alone();
+  if (params_.estimated.gravity != Gravity::free) {
+    keep_across_gravity(state_.g, block::g, P_);
+    sensors_.keep_across_gravity(state_.g);
+  }
   dead_reckoning_.begin(state_.t, P_);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "aslio/core/cpu_clock.hpp"
+#include "aslio/toolkit/information_update.hpp"
 #include "aslio/toolkit/point_matches.hpp"
 
 namespace aslio::plugins {
@@ -139,7 +140,9 @@ void PointwiseEskf::advance(TimeNs t) {
 }
 
 void PointwiseEskf::correct(const SequentialUpdate& update) {
-  now_.x.add(update.delta(), params_.gravity != Gravity::free);
+  const bool unit_gravity = params_.gravity != Gravity::free;
+  now_.x.add(update.delta(), unit_gravity);
+  if (unit_gravity) keep_across_gravity(now_.x.g, pw::g, now_.P);
 }
 
 void PointwiseEskf::mark() {

@@ -41,7 +41,9 @@ NavState ImuTrack::correct(const NavState& predicted, const Pose& pose, const Ma
   const Vec6 b = -information * off;
   const StateVector delta = iteration_step<6>(P_, H, information, b, StateVector::Zero().eval());
   P_ = posterior_covariance<6>(P_, H, information, information, HistoryCovariance::all);
-  return box_plus(predicted, delta, true);
+  const NavState corrected = box_plus(predicted, delta, true);
+  keep_across_gravity(corrected.g, block::g, P_);
+  return corrected;
 }
 
 }  // namespace aslio

@@ -85,6 +85,16 @@ StateVector box_minus(const NavState& x, const NavState& reference);
 /// x [+] delta. eq. IESKF-2. With `unit_gravity` the length of g is kept (S^2 up to second order).
 NavState box_plus(const NavState& x, const StateVector& delta, bool unit_gravity);
 
+/// The covariance after a step that kept the length of `g`, whose error block is at `at`: errors along g are none. It
+/// is the slope of box_plus() with `unit_gravity`, up to second order. Without it a step along g, which is then taken
+/// back, leaves its share in the states that go with it, update after update. eq. IESKF-14.
+template <typename Matrix>
+void keep_across_gravity(const Vec3& g, int at, Matrix& P) {
+  const Vec3 up = g.normalized();
+  P.template middleRows<3>(at) -= up * (up.transpose() * P.template middleRows<3>(at)).eval();
+  P.template middleCols<3>(at) -= (P.template middleCols<3>(at) * up).eval() * up.transpose();
+}
+
 /// Covariance of the prior seen from the current iterate: J^-1 P J^-T with J^-1 = blkdiag(J_r(d_theta), I). eq.
 /// IESKF-3.
 /// The first three components are theta, whatever the size S.
