@@ -34,6 +34,7 @@ void Ieskf::reset(const InitialState& initial) {
   frame_.set_extrinsic(sensors_.T_imu_lidar());
   sensors_.start_map(state_, params_.estimated.gravity != Gravity::fixed, P_);
   dead_reckoning_.forget();
+  unresolved_ = {};
   unobservable_ = false;
   result_ = Update{};
 }
@@ -64,6 +65,7 @@ void Ieskf::propagate(const Window& window) {
   NavState state = state_;
   const std::span<const ImuSample> imu = sensors_.read(window.imu);
   path_.start(state, imu);
+  unresolved_.observe(window);
   Eigen::Matrix<double, 3, kStateDim> turned = Eigen::Matrix<double, 3, kStateDim>::Zero();
   StateMatrix F;
   Eigen::Matrix<double, kStateDim, 12> G;
@@ -78,7 +80,8 @@ void Ieskf::propagate(const Window& window) {
       turned.middleCols<kStateDim - block::b_w>(block::b_w) +=
           F.block<3, kStateDim - block::b_w>(block::theta, block::b_w);
     }
-    const ImuNoise noise = params_.noise.over(from, to, sensor_, state_.b_w, {unobservable_, window.imu_gap});
+    const ImuNoise noise =
+        params_.noise.over(from, to, sensor_, state_.b_w, {unobservable_, window.imu_gap, unresolved_});
     motion_->propagate_covariance(state, from, to, noise, P_);
     if (sensors_.active()) sensors_.propagate(F, from, to, P_);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);

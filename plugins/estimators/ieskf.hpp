@@ -143,6 +143,7 @@ class Ieskf final : public Estimator {
   StateMatrix P_ = StateMatrix::Zero();
   SensorStates sensors_;
   DeadReckoning dead_reckoning_;
+  UnresolvedMotion unresolved_;
   bool unobservable_ = false;  ///< the last update left a direction open, or was refused after others were not
 
   Pose spread_end_;        ///< of the predicted end and the steps that reached the points in proportion to their time

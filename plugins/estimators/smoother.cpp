@@ -22,6 +22,7 @@ void Smoother::reset(const InitialState& initial) {
   velocity_.begin(initial);
   state_ = initial.state;
   P_ = initial_covariance(initial, params_.estimated, initial.sigma_velocity);
+  unresolved_ = {};
   unobservable_ = false;
   dead_reckoning_.forget();
   for (auto& slice : slices_) spare_.push_back(std::move(slice));  // of another time, perhaps a later one

@@ -107,6 +107,7 @@ class Smoother final : public Estimator, private PointRevision {
   VelocitySearch velocity_;
   NavState state_;
   StateMatrix P_ = StateMatrix::Zero();
+  UnresolvedMotion unresolved_;
   bool unobservable_ = false;  ///< the last update left a direction open, or was refused after others were not
   DeadReckoning dead_reckoning_;
 

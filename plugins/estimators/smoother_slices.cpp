@@ -53,13 +53,14 @@ Smoother::Slice& Smoother::add_slice() {
   slice.points.range.clear();
   slice.times.clear();
   slice.sums = {};
-  slice.noise_of = {unobservable_, 0};
+  slice.noise_of = {unobservable_, 0, unresolved_};
   return slice;
 }
 
 /// A slice per part of the window, with the IMU samples that cover it.
 void Smoother::cut(const Window& window) {
   fresh_ = slices_.size();
+  unresolved_.observe(window);
   const std::span<const TimeNs> named(window.plan.cuts.data(), window.plan.cut_count);
   const std::span<const TimeNs> ends = named.empty() ? std::span<const TimeNs>(&window.plan.end, 1) : named;
   std::size_t next = 0;

@@ -13,6 +13,38 @@ UnreadMotion::UnreadMotion(TimeNs gap) {
   acc = std::pow(jerk * unread, 2) * unread;
 }
 
+void UnresolvedMotion::observe(const Window& window) {
+  const auto& imu = window.imu;
+  if (window.imu_gap > 0) readings_ = 0;
+  // The first one ended the window before; the last one may be interpolated.
+  for (std::size_t i = 1; i + 1 < imu.size(); ++i) read(imu[i]);
+  if (imu.size() > 1 && window.imu_read_at_end) read(imu.back());
+}
+
+void UnresolvedMotion::read(const ImuSample& reading) {
+  constexpr double fast_enough = 0.02;  // [s]: beyond 50 Hz a body and its filter follow the samples
+  constexpr double memory = 1.0;        // [s]
+  if (reading.t <= newest_) return;
+  newest_ = reading.t;
+  if (reading.faults != 0) {
+    readings_ = 0;
+    return;
+  }
+  if (readings_ == 2) {
+    const double before = to_seconds(last_[1].t - last_[0].t), after = to_seconds(reading.t - last_[1].t);
+    const double period = 0.5 * (before + after), share = 1.0 - std::exp(-after / memory);
+    const auto density = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+      if (period < fast_enough) return 0.0;
+      const Vec3 second_difference = period * ((c - b) / after - (b - a) / before);
+      return period * second_difference.squaredNorm() / (3.0 * 12.0);
+    };
+    gyro_ += share * (density(last_[0].gyro, last_[1].gyro, reading.gyro) - gyro_);
+    acc_ += share * (density(last_[0].acc, last_[1].acc, reading.acc) - acc_);
+  }
+  last_ = {last_[1], reading};
+  readings_ = std::min<std::size_t>(readings_ + 1, 2);
+}
+
 DoubtedMotion::DoubtedMotion(const ImuSample& from, const ImuSample& to) : any((from.faults | to.faults) != 0) {
   if (!any) return;
   const int faults = from.faults | to.faults;
@@ -34,6 +66,8 @@ ImuNoise ImuNoisePreset::over(const ImuSample& from, const ImuSample& to, const 
   ImuNoise noise{0.1, 0.1, 1e-4, 1e-4};  // as published, gaps or not
   if (kind != Kind::fastlio) {
     noise = of_readings(from, to, sensor, b_w, how.degenerate);
+    noise.gyro += how.unresolved.gyro() / dt;
+    noise.acc += how.unresolved.acc() / dt;
     if (how.imu_gap > 0) {
       const UnreadMotion unread(how.imu_gap);
       noise.gyro += unread.gyro / dt;

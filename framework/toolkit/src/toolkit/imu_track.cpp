@@ -9,6 +9,7 @@ ImuTrack::ImuTrack(const Params& params, const BuildContext& context)
 
 void ImuTrack::reset(const InitialState& initial) {
   P_ = initial_covariance(initial, estimated_, initial.sigma_velocity);
+  unresolved_ = {};
 }
 
 NavState ImuTrack::predict(const NavState& from, std::span<const ImuSample> imu) const {
@@ -20,7 +21,8 @@ NavState ImuTrack::predict(const NavState& from, std::span<const ImuSample> imu)
 NavState ImuTrack::propagate(const NavState& from, const Window& window, WindowTrajectory* path) {
   const StateMatrix before = P_;
   NavState state = from;
-  const ImuNoisePreset::Circumstances how{false, window.imu_gap};
+  unresolved_.observe(window);
+  const ImuNoisePreset::Circumstances how{false, window.imu_gap, unresolved_};
   for (std::size_t i = 1; i < window.imu.size(); ++i) {
     const ImuSample &begin = window.imu[i - 1], &end = window.imu[i];
     motion_->propagate_covariance(state, begin, end, params_.noise.over(begin, end, sensor_, from.b_w, how), P_);

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+
 #include "aslio/core/sensor.hpp"
 #include "aslio/stages/motion.hpp"
+#include "aslio/stages/window.hpp"
 
 namespace aslio {
 
@@ -24,6 +27,24 @@ struct DoubtedMotion {
   Vec3 acc = Vec3::Zero();   ///< [(m/s^2)^2 / Hz]
 };
 
+/// What an IMU that is too slow for the motion does not read, as squared densities of its noise, by how far its samples
+/// lie off the line between their neighbours; eq. MOT-14. Zero for an IMU of more than 50 Hz.
+class UnresolvedMotion {
+ public:
+  /// Takes the readings of the next window.
+  void observe(const Window& window);
+  double gyro() const { return gyro_; }  ///< [(rad/s)^2 / Hz]
+  double acc() const { return acc_; }    ///< [(m/s^2)^2 / Hz]
+
+ private:
+  void read(const ImuSample& reading);
+
+  std::array<ImuSample, 2> last_{};  ///< readings, the newest second
+  std::size_t readings_ = 0;         ///< of last_, without a fault among or between them
+  TimeNs newest_ = kTimeMin;
+  double gyro_ = 0, acc_ = 0;
+};
+
 /// What the prediction of a filter is held to be worth.
 struct ImuNoisePreset {
   enum class Kind : std::uint8_t {
@@ -39,6 +60,7 @@ struct ImuNoisePreset {
   struct Circumstances {
     bool degenerate = false;  ///< the last update left a direction open
     TimeNs imu_gap = 0;       ///< of the window: Window::imu_gap [ns]
+    UnresolvedMotion unresolved = {};
   };
 
   /// Variances per sample over the interval from `from` to `to`; `b_w` is the gyro's bias [rad/s].

@@ -31,6 +31,7 @@ class ImuTrack {
   SensorModel sensor_;
   std::unique_ptr<MotionModel> motion_;
   EstimatedStates estimated_;
+  UnresolvedMotion unresolved_;
   StateMatrix P_ = StateMatrix::Zero();
 };
 
