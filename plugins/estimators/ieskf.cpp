@@ -319,15 +319,15 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
 
   judge_view(result_, normal.A_new.topLeftCorner<6, 6>(), params_.degenerate_sigma, plan_);
   unobservable_ = result_.unobservable;
-  state_ = posterior;
+  const Vec3 g = std::exchange(state_, posterior).g;
   P_ = P;
+  if (params_.estimated.gravity != Gravity::free) {
+    turn_with_gravity(g, state_.g, block::g, P_);
+    sensors_.turn_with_gravity(g, state_.g);
+  }
   result_.accepted = true;
   result_.insert = true;
   if (velocity_.active()) find_velocity_alone();
-  if (params_.estimated.gravity != Gravity::free) {
-    keep_across_gravity(state_.g, block::g, P_);
-    sensors_.keep_across_gravity(state_.g);
-  }
   dead_reckoning_.begin(state_.t, P_);
 }
 
@@ -336,6 +336,7 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
 void Ieskf::find_velocity_alone() {
   velocity_.step(plan_, state_);
   P_ = start_covariance(velocity_.sigma_velocity());
+  if (params_.estimated.gravity != Gravity::free) turn_with_gravity(initial_.state.g, state_.g, block::g, P_);
   result_.restart_map = true;
 }
 

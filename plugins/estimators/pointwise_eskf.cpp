@@ -141,8 +141,9 @@ void PointwiseEskf::advance(TimeNs t) {
 
 void PointwiseEskf::correct(const SequentialUpdate& update) {
   const bool unit_gravity = params_.gravity != Gravity::free;
+  const Vec3 g = now_.x.g;
   now_.x.add(update.delta(), unit_gravity);
-  if (unit_gravity) keep_across_gravity(now_.x.g, pw::g, now_.P);
+  if (unit_gravity) turn_with_gravity(g, now_.x.g, pw::g, now_.P);
 }
 
 void PointwiseEskf::mark() {

@@ -41,10 +41,10 @@ class SensorStates {
   void start_map(const NavState& at, bool gravity, StateMatrix& P);
   /// The state is not believed: it says nothing of the sensors any more.
   void forget_state() { cross_.setZero(); }
-  /// Errors along g are none. eq. IESKF-14.
-  void keep_across_gravity(const Vec3& g) {
-    const Vec3 up = g.normalized();
-    cross_.middleRows<3>(block::g) -= up * (up.transpose() * cross_.middleRows<3>(block::g)).eval();
+  /// Errors of g turn with it. eq. IESKF-14.
+  void turn_with_gravity(const Vec3& from, const Vec3& to) {
+    const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+    cross_.middleRows<3>(block::g) = (turn * cross_.middleRows<3>(block::g)).eval();
   }
 
   const Pose& T_imu_lidar() const { return now_.T; }

@@ -131,7 +131,7 @@ bool Smoother::step(double& turn, double& shift) {
     if (!pass_.end(i).allFinite() || !known.P.allFinite() || known.P.diagonal().minCoeff() < -1e-12) return false;
     slice.filtered = box_plus(slice.state, known.mean, unit_gravity);
     slice.P = transported_covariance(known.P, known.mean.head<3>());
-    if (unit_gravity) keep_across_gravity(slice.filtered.g, block::g, slice.P);
+    if (unit_gravity) turn_with_gravity(belief_.g, slice.filtered.g, block::g, slice.P);
     move(slice.state, pass_.end(i));
   }
   move(begin_, pass_.begin());

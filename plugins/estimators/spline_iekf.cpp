@@ -250,7 +250,7 @@ bool SplineIekf::take(const Batch& batch, const Map* map) {
     if (step.delta.head<sp::kControl>().lpNorm<Eigen::Infinity>() < params_.converged) break;
   }
   now_.P = P;
-  if (params_.gravity != Gravity::free) keep_across_gravity(now_.x.g, sp::g, now_.P);
+  if (params_.gravity != Gravity::free) turn_with_gravity(prior.g, now_.x.g, sp::g, now_.P);
   information_ += pose;
   if (batch.points() > 0) record(batch, now_.x.segment());
   return true;

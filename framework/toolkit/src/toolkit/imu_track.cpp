@@ -44,7 +44,7 @@ NavState ImuTrack::correct(const NavState& predicted, const Pose& pose, const Ma
   const StateVector delta = iteration_step<6>(P_, H, information, b, StateVector::Zero().eval());
   P_ = posterior_covariance<6>(P_, H, information, information, HistoryCovariance::all);
   const NavState corrected = box_plus(predicted, delta, true);
-  keep_across_gravity(corrected.g, block::g, P_);
+  turn_with_gravity(predicted.g, corrected.g, block::g, P_);
   return corrected;
 }
 

@@ -85,14 +85,14 @@ StateVector box_minus(const NavState& x, const NavState& reference);
 /// x [+] delta. eq. IESKF-2. With `unit_gravity` the length of g is kept (S^2 up to second order).
 NavState box_plus(const NavState& x, const StateVector& delta, bool unit_gravity);
 
-/// The covariance after a step that kept the length of `g`, whose error block is at `at`: errors along g are none. It
-/// is the slope of box_plus() with `unit_gravity`, up to second order. Without it a step along g, which is then taken
-/// back, leaves its share in the states that go with it, update after update. eq. IESKF-14.
+/// The covariance after a step that turned g `from` there `to` here and kept its length: errors of g, whose block is at
+/// `at`, turn with it. So they stay across it; otherwise a step along g, which is then taken back, leaves its share in
+/// the states that go with it, update after update. eq. IESKF-14.
 template <typename Matrix>
-void keep_across_gravity(const Vec3& g, int at, Matrix& P) {
-  const Vec3 up = g.normalized();
-  P.template middleRows<3>(at) -= up * (up.transpose() * P.template middleRows<3>(at)).eval();
-  P.template middleCols<3>(at) -= (P.template middleCols<3>(at) * up).eval() * up.transpose();
+void turn_with_gravity(const Vec3& from, const Vec3& to, int at, Matrix& P) {
+  const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+  P.template middleRows<3>(at) = (turn * P.template middleRows<3>(at)).eval();
+  P.template middleCols<3>(at) = (P.template middleCols<3>(at) * turn.transpose()).eval();
 }
 
 /// Covariance of the prior seen from the current iterate: J^-1 P J^-T with J^-1 = blkdiag(J_r(d_theta), I). eq.
