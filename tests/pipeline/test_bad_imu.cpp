@@ -115,17 +115,24 @@ TEST_CASE(
 }
 
 TEST_CASE("bad IMU: an accelerometer that ends at 1.1 g") {
-  const Walked walk(103);
   const double range = 1.1 * kStandardGravity;
-  const Recording recording = spoiled(walk.recording, kTimeMin, kTimeMax,
-                                      [=](ImuSample& s) { s.acc = s.acc.cwiseMax(-range).cwiseMin(range); });
-  SensorModel sensor = walk.world.sensor();
-  sensor.acc_range = range;
-  Run run(shipped("as_lio_plus"), sensor);
-  run.play(recording);
-  CHECK(run.odometry.stream().counters().imu_found.acc_clipped > 50);
-  CHECK(run.odometry.losses().empty());
-  CHECK(error(run, walk.world) < 0.6);
+  // One walk may have twice the error of another.
+  double mean = 0;
+  constexpr std::uint64_t kFirst = 103, kWalks = 3;
+  for (std::uint64_t seed = kFirst; seed < kFirst + kWalks; ++seed) {
+    CAPTURE(seed);
+    const Walked walk(seed);
+    const Recording recording = spoiled(walk.recording, kTimeMin, kTimeMax,
+                                        [=](ImuSample& s) { s.acc = s.acc.cwiseMax(-range).cwiseMin(range); });
+    SensorModel sensor = walk.world.sensor();
+    sensor.acc_range = range;
+    Run run(shipped("as_lio_plus"), sensor);
+    run.play(recording);
+    CHECK(run.odometry.stream().counters().imu_found.acc_clipped > 50);
+    CHECK(run.odometry.losses().empty());
+    mean += error(run, walk.world) / static_cast<double>(kWalks);
+  }
+  CHECK(mean < 0.6);
 }
 
 TEST_CASE("bad IMU: stuck or dead for a second is counted") {
