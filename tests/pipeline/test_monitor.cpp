@@ -205,6 +205,34 @@ TEST_CASE("monitor: a motion of the run that the view does not show is an alarm 
   }
 }
 
+// eq. MON-6.
+TEST_CASE("monitor: a run that finds itself again after refused updates moves as no view shows, and may") {
+  for (const int refused : {0, 2, 5}) {
+    CAPTURE(refused);
+    Play play;
+    Phantom phantom;
+    play.update.trajectory = &phantom;
+    play.room = 2.0;
+    play.view = 0.2;
+    play.n_points = 20000;
+    play.calm(20);
+    play.update.accepted = false;
+    play.update.status = UpdateStatus::few_matches;
+    play.calm(refused);
+    play.update.accepted = true;
+    play.update.status = UpdateStatus::ok;
+    phantom.begin = play.t;
+    phantom.acceleration = 150.0;  // 0.75 m in the first window
+    std::string reason;
+    for (int i = 0; i < 3 && reason.empty(); ++i) {
+      play.next();
+      reason = play.monitor.alarm().value_or("");
+    }
+    CAPTURE(reason);
+    CHECK(reason.empty() == (refused > 2));
+  }
+}
+
 TEST_CASE("monitor: points that contradict the gyro's turn name the extrinsic") {
   Play play;
   play.rate = Vec3(0, 0, 0.5);

@@ -125,6 +125,7 @@ void Monitor::begin(bool uses_imu) {
   view_count_ = unexplained_count_ = phantom_slots_ = 0;
   fastest_ = last_change_ = 0;
   since_jump_ = 1e9;
+  refused_for_ = unsettled_for_ = 0;
   doubted_ = false;
 }
 
@@ -182,7 +183,8 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
   // Without a gyro a turn that the points follow late changes the view as well.
   const bool tells = uses_imu_ && signals_.view_change > kViewLeast;
   const bool stirs = tells && signals_.view_jump > kViewStir;
-  if (!uses_imu_ || bridged || unread(window)) {
+  const bool corrected = finds_itself(window, update);
+  if (!uses_imu_ || bridged || corrected || unread(window)) {
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
     phantom_slots_ = 0;
     if (stirs) since_jump_ = 0;
@@ -199,6 +201,21 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
                     "sensor was moved",
                     signals_.view_jump));
   }
+}
+
+/// Whether the run finds itself again after updates that were refused: then it moves by corrections, too, which no view
+/// shows. eq. MON-6.
+bool Monitor::finds_itself(const Window& window, const Update& update) {
+  constexpr double blind = 0.25, settles = 0.3;  // [s]
+  if (!update.accepted) {
+    refused_for_ += length(window);
+    if (refused_for_ > blind) unsettled_for_ = settles;
+    return false;
+  }
+  refused_for_ = 0;
+  const bool unsettled = unsettled_for_ > 0;
+  unsettled_for_ -= length(window);
+  return unsettled;
 }
 
 // eq. MON-2.
