@@ -336,7 +336,6 @@ void Ieskf::accept(const NavState& posterior, const StateMatrix& P_iterate, cons
 void Ieskf::find_velocity_alone() {
   velocity_.step(plan_, state_);
   P_ = start_covariance(velocity_.sigma_velocity());
-  if (params_.estimated.gravity != Gravity::free) turn_with_gravity(initial_.state.g, state_.g, block::g, P_);
   result_.restart_map = true;
 }
 

@@ -100,7 +100,7 @@ void Smoother::linearise(std::size_t i, SliceEquations& out) const {
     out.F = (F * out.F).eval();
     motion_->propagate_covariance(state, from, to, params_.noise.over(from, to, sensor_, state.b_w, slice.noise_of),
                                   out.Q);
-    walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), out.Q);
+    walk_gravity(params_.estimated, belief_.g, to_seconds(to.t - from.t), out.Q);
     motion_->step(state, from, to);
   }
   out.d = box_minus(slice.state, slice.path.predicted());

@@ -130,6 +130,7 @@ TEST_CASE("bad IMU: an accelerometer that ends at 1.1 g") {
     run.play(recording);
     CHECK(run.odometry.stream().counters().imu_found.acc_clipped > 50);
     CHECK(run.odometry.losses().empty());
+    CHECK(error(run, walk.world) < 1.0);
     mean += error(run, walk.world) / static_cast<double>(kWalks);
   }
   CHECK(mean < 0.6);

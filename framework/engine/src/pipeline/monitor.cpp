@@ -183,8 +183,10 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
   // Without a gyro a turn that the points follow late changes the view as well.
   const bool tells = uses_imu_ && signals_.view_change > kViewLeast;
   const bool stirs = tells && signals_.view_jump > kViewStir;
-  const bool corrected = finds_itself(window, update);
-  if (!uses_imu_ || bridged || corrected || unread(window)) {
+  if (finds_itself(window, update)) {
+    check_.forget();
+    phantom_slots_ = 0;
+  } else if (!uses_imu_ || bridged || unread(window)) {
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
     phantom_slots_ = 0;
     if (stirs) since_jump_ = 0;

@@ -24,6 +24,7 @@ void UnresolvedMotion::observe(const Window& window) {
 void UnresolvedMotion::read(const ImuSample& reading) {
   constexpr double fast_enough = 0.02;  // [s]: beyond 50 Hz a body and its filter follow the samples
   constexpr double memory = 1.0;        // [s]
+  constexpr double uneven = 2.0;        // beyond, noise would count for more than motion
   if (reading.t <= newest_) return;
   newest_ = reading.t;
   if (reading.faults != 0) {
@@ -32,14 +33,18 @@ void UnresolvedMotion::read(const ImuSample& reading) {
   }
   if (readings_ == 2) {
     const double before = to_seconds(last_[1].t - last_[0].t), after = to_seconds(reading.t - last_[1].t);
-    const double period = 0.5 * (before + after), share = 1.0 - std::exp(-after / memory);
-    const auto density = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-      if (period < fast_enough) return 0.0;
-      const Vec3 second_difference = period * ((c - b) / after - (b - a) / before);
-      return period * second_difference.squaredNorm() / (3.0 * 12.0);
-    };
-    gyro_ += share * (density(last_[0].gyro, last_[1].gyro, reading.gyro) - gyro_);
-    acc_ += share * (density(last_[0].acc, last_[1].acc, reading.acc) - acc_);
+    const bool even = std::max(before, after) < uneven * std::min(before, after);
+    if (even && std::min(before, after) >= fast_enough) {
+      const double period = 0.5 * (before + after), forgets = std::exp(-after / memory);
+      const auto density = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+        const Vec3 second_difference = period * ((c - b) / after - (b - a) / before);
+        return period * second_difference.squaredNorm() / (3.0 * 6.0);
+      };
+      weight_ = forgets * weight_ + (1.0 - forgets);
+      const double share = (1.0 - forgets) / weight_;
+      gyro_ += share * (density(last_[0].gyro, last_[1].gyro, reading.gyro) - gyro_);
+      acc_ += share * (density(last_[0].acc, last_[1].acc, reading.acc) - acc_);
+    }
   }
   last_ = {last_[1], reading};
   readings_ = std::min<std::size_t>(readings_ + 1, 2);

@@ -28,7 +28,8 @@ struct DoubtedMotion {
 };
 
 /// What an IMU that is too slow for the motion does not read, as squared densities of its noise, by how far its samples
-/// lie off the line between their neighbours; eq. MOT-14. Zero for an IMU of more than 50 Hz.
+/// lie off the line between their neighbours; eq. MOT-14. Only neighbours at even distances of 20 ms and more count: it
+/// is zero for a faster IMU, also where that has lost samples.
 class UnresolvedMotion {
  public:
   /// Takes the readings of the next window.
@@ -42,6 +43,7 @@ class UnresolvedMotion {
   std::array<ImuSample, 2> last_{};  ///< readings, the newest second
   std::size_t readings_ = 0;         ///< of last_, without a fault among or between them
   TimeNs newest_ = kTimeMin;
+  double weight_ = 0;  ///< of the mean so far
   double gyro_ = 0, acc_ = 0;
 };
 
