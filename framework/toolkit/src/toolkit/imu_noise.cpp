@@ -35,13 +35,11 @@ void UnresolvedMotion::read(const ImuSample& reading) {
     const double before = to_seconds(last_[1].t - last_[0].t), after = to_seconds(reading.t - last_[1].t);
     const bool even = std::max(before, after) < uneven * std::min(before, after);
     if (even && std::min(before, after) >= fast_enough) {
-      const double period = 0.5 * (before + after), forgets = std::exp(-after / memory);
+      const double period = 0.5 * (before + after), share = 1.0 - std::exp(-after / memory);
       const auto density = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
         const Vec3 second_difference = period * ((c - b) / after - (b - a) / before);
-        return period * second_difference.squaredNorm() / (3.0 * 6.0);
+        return period * second_difference.squaredNorm() / (3.0 * 12.0);
       };
-      weight_ = forgets * weight_ + (1.0 - forgets);
-      const double share = (1.0 - forgets) / weight_;
       gyro_ += share * (density(last_[0].gyro, last_[1].gyro, reading.gyro) - gyro_);
       acc_ += share * (density(last_[0].acc, last_[1].acc, reading.acc) - acc_);
     }

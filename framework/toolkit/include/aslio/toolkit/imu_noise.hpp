@@ -43,7 +43,6 @@ class UnresolvedMotion {
   std::array<ImuSample, 2> last_{};  ///< readings, the newest second
   std::size_t readings_ = 0;         ///< of last_, without a fault among or between them
   TimeNs newest_ = kTimeMin;
-  double weight_ = 0;  ///< of the mean so far
   double gyro_ = 0, acc_ = 0;
 };
 
