@@ -81,7 +81,7 @@ void Ieskf::propagate(const Window& window) {
           F.block<3, kStateDim - block::b_w>(block::theta, block::b_w);
     }
     const ImuNoise noise =
-        params_.noise.over(from, to, sensor_, state_.b_w, {unobservable_, window.imu_gap, unresolved_});
+        params_.noise.over(from, to, sensor_, state_.b_w, {unobservable_, window.imu_gap, unresolved_.density()});
     motion_->propagate_covariance(state, from, to, noise, P_);
     if (sensors_.active()) sensors_.propagate(F, from, to, P_);
     walk_gravity(params_.estimated, state.g, to_seconds(to.t - from.t), P_);

@@ -53,7 +53,7 @@ Smoother::Slice& Smoother::add_slice() {
   slice.points.range.clear();
   slice.times.clear();
   slice.sums = {};
-  slice.noise_of = {unobservable_, 0, unresolved_};
+  slice.noise_of = {unobservable_, 0, unresolved_.density()};
   return slice;
 }
 

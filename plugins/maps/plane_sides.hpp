@@ -89,6 +89,15 @@ inline auto either(const Root& first, const Root* second, PlaneAt plane_at) -> d
   return plane == nullptr && second != nullptr ? plane_at(*second) : plane;
 }
 
+/// What `query` meets of the planes in both parts: with `faces` one that faces where it is asked from, else that of
+/// either.
+template <class Root, class PlaneAt>
+inline auto met(const Vec3& query, const MapQuery& how, bool faces, const Root& first, const Root* second,
+                PlaneAt plane_at) {
+  return faces && how.viewpoint ? facing(first, second, (query - *how.viewpoint).cast<float>().normalized(), plane_at)
+                                : either(first, second, plane_at);
+}
+
 /// What a query at p meets of a plane. `corner`: of its voxel, in W.
 template <class Node>
 inline Surface surface_of(const Node& plane, const Vec3& corner, const Eigen::Vector3f& p, double doubt) {

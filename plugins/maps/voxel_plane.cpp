@@ -111,9 +111,7 @@ inline Surface VoxelPlane::surface(const Vec3& query, const Eigen::Vector3f& p, 
   const Root& root = roots_[first];
   const Root* second = root.other == kNone ? nullptr : &roots_[root.other];
   const auto plane = [&](const Root& part) { return plane_at(part, p, how.max_stamp); };
-  const Node* node = params_.faces && how.viewpoint
-                         ? facing(root, second, (query - *how.viewpoint).cast<float>().normalized(), plane)
-                         : either(root, second, plane);
+  const Node* node = met(query, how, params_.faces, root, second, plane);
   return node == nullptr ? Surface{} : surface_of(*node, corner(root.cell), p, params_.doubt);
 }
 

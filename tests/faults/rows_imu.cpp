@@ -51,6 +51,7 @@ std::vector<Row> readings() {
       {.number = 2,
        .name = "inf_accel_burst_20",
        .injected = "20 samples in a row with infinite acceleration",
+       // In a sharp turn (5.5 and 6 s) it costs 4.4 and 5.6 mm, at eight other moments 1.4 to 2.5 mm, of all.
        .expected = {.status = {"degraded"}, .counters = {{"imu_invalid", 20}}, .ate_times = 1.1, .ate_plus = 0.006},
        .run = with(alter_imu({kAt, 0.1}, [](ImuSample& s, std::size_t) { s.acc.x() = kInf; }))});
   rows.push_back({.number = 3,

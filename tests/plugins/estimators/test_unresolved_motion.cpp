@@ -22,7 +22,7 @@ ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
 }
 
 /// The stream, cut into windows of `length` whose ends are interpolated as those of Window::imu are.
-UnresolvedMotion after(const std::vector<ImuSample>& stream, double length) {
+UnresolvedMotion::Density after(const std::vector<ImuSample>& stream, double length) {
   UnresolvedMotion unresolved;
   const TimeNs step = to_ns(length);
   const auto at = [&](TimeNs t) {
@@ -42,7 +42,7 @@ UnresolvedMotion after(const std::vector<ImuSample>& stream, double length) {
     observed.imu_read_at_end = std::any_of(stream.begin(), stream.end(), is_reading);
     unresolved.observe(observed);
   }
-  return unresolved;
+  return unresolved.density();
 }
 
 /// Samples that have nothing to do with each other: vibration, read too seldom.
@@ -75,9 +75,9 @@ TEST_CASE(
     const auto stream = shaken(rate, gyro, acc, 4.0 * kTimes);
     for (int i = 0; i < kTimes; ++i) {
       const std::vector<ImuSample> part(stream.begin() + 40 * i, stream.begin() + 40 * (i + 1));
-      const UnresolvedMotion unresolved = after(part, length);
-      gyro_density += unresolved.gyro() / kTimes;
-      acc_density += unresolved.acc() / kTimes;
+      const UnresolvedMotion::Density unresolved = after(part, length);
+      gyro_density += unresolved.gyro / kTimes;
+      acc_density += unresolved.acc / kTimes;
     }
     CHECK(gyro_density == Approx(0.5 * gyro * gyro / rate).epsilon(0.2));
     CHECK(acc_density == Approx(0.5 * acc * acc / rate).epsilon(0.2));
@@ -87,20 +87,20 @@ TEST_CASE(
 TEST_CASE("unresolved motion: none of a fast IMU, of an even turn, or of a constant change of the rate") {
   for (const double rate : {51.0, 100.0, 200.0, 1000.0}) {
     CAPTURE(rate);
-    const UnresolvedMotion unresolved = after(shaken(rate, 0.02, 0.5, 4.0), 0.07);
-    CHECK(unresolved.gyro() == 0.0);
-    CHECK(unresolved.acc() == 0.0);
+    const UnresolvedMotion::Density unresolved = after(shaken(rate, 0.02, 0.5, 4.0), 0.07);
+    CHECK(unresolved.gyro == 0.0);
+    CHECK(unresolved.acc == 0.0);
   }
   std::vector<ImuSample> stream = shaken(10.0, 0.0, 0.0, 4.0);
   for (ImuSample& sample : stream) sample.gyro = Vec3(0.1, 0.0, 0.3 * to_seconds(sample.t));
-  CHECK(after(stream, 0.07).gyro() == Approx(0.0).margin(1e-20));
+  CHECK(after(stream, 0.07).gyro == Approx(0.0).margin(1e-20));
 }
 
 TEST_CASE("unresolved motion: a smooth turn has some, and more the slower the IMU is") {
   const auto turning = [](double rate) {
     std::vector<ImuSample> stream = shaken(rate, 0.0, 0.0, 6.0);
     for (ImuSample& sample : stream) sample.gyro = Vec3(0.0, 0.0, std::sin(2.0 * to_seconds(sample.t)));
-    return std::sqrt(after(stream, 0.07).gyro() * rate);
+    return std::sqrt(after(stream, 0.07).gyro * rate);
   };
   // The mean rate of an interval is off by up to T^2 w'' / 12 = 3.3 mrad/s at 10 Hz.
   CHECK(turning(10.0) > 0.0023);
@@ -116,15 +116,15 @@ TEST_CASE("unresolved motion: samples that are not believed, and repeated ones, 
   window.imu = stream;
   UnresolvedMotion unresolved;
   unresolved.observe(window);
-  CHECK(unresolved.gyro() == 0.0);
+  CHECK(unresolved.density().gyro == 0.0);
   stream[30].gyro.x() = 3.0;
   stream[31].t = stream[30].t;
   unresolved.observe(window);  // all of it again: these readings are known
-  CHECK(unresolved.gyro() == 0.0);
+  CHECK(unresolved.density().gyro == 0.0);
   UnresolvedMotion repeated;
   repeated.observe(window);
-  CHECK(std::isfinite(repeated.gyro()));
-  CHECK(repeated.gyro() > 0.0);
+  CHECK(std::isfinite(repeated.density().gyro));
+  CHECK(repeated.density().gyro > 0.0);
 }
 
 TEST_CASE("a slow IMU: attitude and velocity are known worse by what it did not read, but under fastlio") {
@@ -168,11 +168,11 @@ TEST_CASE("unresolved motion: none where a fast IMU has lost samples, nor where 
     hole(1.0, 0.025);
     hole(2.0, 0.1);
     hole(3.0, 0.041);
-    CHECK(after(stream, 0.07).gyro() == 0.0);
+    CHECK(after(stream, 0.07).gyro == 0.0);
   }
   std::vector<ImuSample> pairs = shaken(10.0, 0.02, 0.5, 4.0);
   for (std::size_t i = 1; i < pairs.size(); i += 2) pairs[i].t = pairs[i - 1].t + to_ns(0.001);
-  CHECK(after(pairs, 0.07).gyro() == 0.0);
+  CHECK(after(pairs, 0.07).gyro == 0.0);
 }
 
 TEST_CASE("unresolved motion: a start trusts the IMU, and doubts it within a second") {
@@ -180,8 +180,8 @@ TEST_CASE("unresolved motion: a start trusts the IMU, and doubts it within a sec
   double early = 0, later = 0;
   for (int i = 0; i < 200; ++i) {
     const auto begin = stream.begin() + 20 * i;
-    early += after({begin, begin + 4}, 0.1).gyro() / 200;
-    later += after({begin, begin + 20}, 0.1).gyro() / 200;
+    early += after({begin, begin + 4}, 0.1).gyro / 200;
+    later += after({begin, begin + 20}, 0.1).gyro / 200;
   }
   CHECK(early < 0.2 * later);
   CHECK(later > 0.7 * 0.5 * 0.02 * 0.02 / 10.0);

@@ -40,8 +40,8 @@ void UnresolvedMotion::read(const ImuSample& reading) {
         const Vec3 second_difference = period * ((c - b) / after - (b - a) / before);
         return period * second_difference.squaredNorm() / (3.0 * 12.0);
       };
-      gyro_ += share * (density(last_[0].gyro, last_[1].gyro, reading.gyro) - gyro_);
-      acc_ += share * (density(last_[0].acc, last_[1].acc, reading.acc) - acc_);
+      density_.gyro += share * (density(last_[0].gyro, last_[1].gyro, reading.gyro) - density_.gyro);
+      density_.acc += share * (density(last_[0].acc, last_[1].acc, reading.acc) - density_.acc);
     }
   }
   last_ = {last_[1], reading};
@@ -69,8 +69,8 @@ ImuNoise ImuNoisePreset::over(const ImuSample& from, const ImuSample& to, const 
   ImuNoise noise{0.1, 0.1, 1e-4, 1e-4};  // as published, gaps or not
   if (kind != Kind::fastlio) {
     noise = of_readings(from, to, sensor, b_w, how.degenerate);
-    noise.gyro += how.unresolved.gyro() / dt;
-    noise.acc += how.unresolved.acc() / dt;
+    noise.gyro += how.unresolved.gyro / dt;
+    noise.acc += how.unresolved.acc / dt;
     if (how.imu_gap > 0) {
       const UnreadMotion unread(how.imu_gap);
       noise.gyro += unread.gyro / dt;

@@ -22,7 +22,7 @@ NavState ImuTrack::propagate(const NavState& from, const Window& window, WindowT
   const StateMatrix before = P_;
   NavState state = from;
   unresolved_.observe(window);
-  const ImuNoisePreset::Circumstances how{false, window.imu_gap, unresolved_};
+  const ImuNoisePreset::Circumstances how{false, window.imu_gap, unresolved_.density()};
   for (std::size_t i = 1; i < window.imu.size(); ++i) {
     const ImuSample &begin = window.imu[i - 1], &end = window.imu[i];
     motion_->propagate_covariance(state, begin, end, params_.noise.over(begin, end, sensor_, from.b_w, how), P_);

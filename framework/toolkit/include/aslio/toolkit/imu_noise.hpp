@@ -32,10 +32,13 @@ struct DoubtedMotion {
 /// is zero for a faster IMU, also where that has lost samples.
 class UnresolvedMotion {
  public:
+  struct Density {
+    double gyro = 0;  ///< [(rad/s)^2 / Hz]
+    double acc = 0;   ///< [(m/s^2)^2 / Hz]
+  };
   /// Takes the readings of the next window.
   void observe(const Window& window);
-  double gyro() const { return gyro_; }  ///< [(rad/s)^2 / Hz]
-  double acc() const { return acc_; }    ///< [(m/s^2)^2 / Hz]
+  const Density& density() const { return density_; }
 
  private:
   void read(const ImuSample& reading);
@@ -43,7 +46,7 @@ class UnresolvedMotion {
   std::array<ImuSample, 2> last_{};  ///< readings, the newest second
   std::size_t readings_ = 0;         ///< of last_, without a fault among or between them
   TimeNs newest_ = kTimeMin;
-  double gyro_ = 0, acc_ = 0;
+  Density density_;
 };
 
 /// What the prediction of a filter is held to be worth.
@@ -61,7 +64,7 @@ struct ImuNoisePreset {
   struct Circumstances {
     bool degenerate = false;  ///< the last update left a direction open
     TimeNs imu_gap = 0;       ///< of the window: Window::imu_gap [ns]
-    UnresolvedMotion unresolved = {};
+    UnresolvedMotion::Density unresolved;
   };
 
   /// Variances per sample over the interval from `from` to `to`; `b_w` is the gyro's bias [rad/s].
