@@ -72,7 +72,7 @@ double worst(const Motion& truth, const Motion& believed, TimeNs window, double 
       points.push_back({.x = p.x(), .y = p.y(), .z = p.z(), .t = t});
     }
     const auto share = check.add(points, believed, end);
-    if (share && to_seconds(end - kEpoch) > after) out = std::max(out, *share);
+    if (share && to_seconds(end - kEpoch) > after) out = std::max(out, share->share);
   }
   return out;
 }
@@ -102,9 +102,9 @@ TEST_CASE("view check: what the motion explains is explained, however it is cut 
 
 TEST_CASE("view check: a piece of the data that is missing is not explained") {
   // 4 s of a walk are cut out after 1 s.
-  const auto jump = [](double by, double turn) {
+  const auto jump = [](double by, double turn, double at = 1.0) {
     return Motion([=](double t) {
-      const double off = t > 1.0 ? 1.0 : 0.0;
+      const double off = t > at ? 1.0 : 0.0;
       return Pose{exp_so3(off * turn * Vec3::UnitZ()), Vec3(-5 + t + off * by, 0.5, 0)};
     });
   };
@@ -112,6 +112,8 @@ TEST_CASE("view check: a piece of the data that is missing is not explained") {
     CAPTURE(view);
     CHECK(worst(jump(4.0, 0), walk(1.0, 0), kSecond / 10, 1.0, view) > 0.2);
     CHECK(worst(jump(3.0, 1.0), walk(1.0, 0), kSecond / 10, 1.0, view) > 0.2);
+    // The slot within which it is missing shows both places: none of its directions is a surface.
+    CHECK(worst(jump(4.0, 0, 1.05), walk(1.0, 0), kSecond / 10, 1.1, view) > 0.15);
   }
 }
 
@@ -158,7 +160,10 @@ TEST_CASE("view check: a slot is a sweep, and after a silence nothing is compare
   for (TimedPoint& p : points) p.t += kSecond;
   CHECK_FALSE(check.add(points, still, kEpoch + 11 * kSecond / 10));
   for (TimedPoint& p : points) p.t += kSecond / 10;
-  CHECK(check.add(points, still, kEpoch + 12 * kSecond / 10) == 0.0);
+  const auto again = check.add(points, still, kEpoch + 12 * kSecond / 10);
+  REQUIRE(again);
+  CHECK(again->share == 0.0);
+  CHECK_FALSE(again->skips);
   // A lens that is covered: points nearer than min_range are no view.
   std::vector<TimedPoint> covered = points;
   for (TimedPoint& p : covered) p.x = p.y = p.z = 0.001F;

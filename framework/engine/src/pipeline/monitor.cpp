@@ -35,6 +35,9 @@ constexpr double kUnexplainedTurn = 0.15, kSharpTurn = 1.0;
 // A piece that is missing leaves most of the change of the view unexplained; a turn past something near, half of it.
 constexpr double kUnexplainedOfChange = 0.6;
 constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
+// A piece that is missing changes the view in the same sweep: at cuts 1.35 times and more. Who passes by the lens hides
+// a part of the view first, and shows what is behind later.
+constexpr double kUnexplainedView = 1.2;
 // Beside a jump of the view in the same sweep: share of the surfaces and of the change for an alarm, share to be
 // stirred.
 constexpr double kUnexplainedBoth = 0.06, kBothOfChange = 0.5, kUnexplainedStirs = 0.03;
@@ -124,6 +127,7 @@ void Monitor::begin(bool uses_imu) {
   turned_ = {};
   view_count_ = unexplained_count_ = phantom_slots_ = 0;
   fastest_ = last_change_ = 0;
+  jumps_ = {};
   since_jump_ = 1e9;
   refused_for_ = unsettled_for_ = 0;
   doubted_ = false;
@@ -190,10 +194,10 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
     phantom_slots_ = 0;
     if (stirs) since_jump_ = 0;
-  } else if (const auto share = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
-    judge_unexplained(*share);
+  } else if (const auto unexplained = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
+    judge_unexplained(*unexplained);
     // What a turn brings into view is where the motion puts it.
-    if (stirs && *share > kUnexplainedStirs) since_jump_ = 0;
+    if (stirs && unexplained->share > kUnexplainedStirs) since_jump_ = 0;
   } else if (change) {
     phantom_slots_ = 0;  // too little is seen again: nothing is said of this sweep
   }
@@ -226,13 +230,15 @@ void Monitor::judge_change(double change) {
   if (view_count_ >= 4) {
     const double usual = std::max(*std::max_element(views_.begin(), views_.end()), 0.03);
     signals_.view_jump = change / usual;
+    jumps_ = {signals_.view_jump, jumps_[0]};
   }
   views_[static_cast<std::size_t>(view_count_++ % 4)] = change;
 }
 
 // eq. MON-6.
-void Monitor::judge_unexplained(double share) {
-  signals_.unexplained = share;
+void Monitor::judge_unexplained(const Unexplained& seen) {
+  const double share = signals_.unexplained = seen.share;
+  const double jump = seen.skips ? std::max(jumps_[0], jumps_[1]) : jumps_[0];
   if (unexplained_count_ >= 4) {
     const double before = *std::max_element(unexplained_.begin(), unexplained_.end());
     const double usual = std::max(before, kUnexplainedUsual);
@@ -241,7 +247,9 @@ void Monitor::judge_unexplained(double share) {
     // A jump of the view in the same sweep: two signs that are weak alone.
     const bool jumps = signals_.view_change > kViewLeast && signals_.view_jump > kViewStir;
     const bool both = jumps && share > kUnexplainedBoth && share > kBothOfChange * last_change_;
-    if (both || (share > least && share > kUnexplainedJump * usual)) {
+    // The view jumps with it, or hardly changes while the run does.
+    const bool apart = jump > kUnexplainedView || share > kPhantomOfChange * last_change_;
+    if (both || (share > least && share > kUnexplainedJump * usual && apart)) {
       raise(
           fmt::format("{:.0f} % of the surfaces seen before are not where the motion of the run puts them, usually "
                       "{:.0f} %. A piece of the data is missing, or the sensor was moved",
@@ -250,7 +258,7 @@ void Monitor::judge_unexplained(double share) {
     if (share > least && share > kUnexplainedStir * usual) since_jump_ = 0;
   }
   unexplained_[static_cast<std::size_t>(unexplained_count_++ % 4)] = share;
-  const bool phantom = share > kPhantom && share > kPhantomOfChange * last_change_;
+  const bool phantom = !seen.skips && share > kPhantom && share > kPhantomOfChange * last_change_;
   phantom_slots_ = phantom ? phantom_slots_ + 1 : 0;
   fastest_ = 0;
 }

@@ -14,6 +14,7 @@ constexpr float kOneSurface = 1.3F;  // farthest to nearest of one surface
 constexpr float kLoose = 0.08F;      // share of a range within which two agree, and ..
 constexpr float kLooseBy = 0.15F;    // .. so much more [m]
 constexpr double kSeenAgain = 0.4;   // least share of the directions of the slot before that are seen again, and ..
+constexpr double kSkips = 1.1;       // directions of the slot before the last seen again, to those of the last
 constexpr double kOfUsual = 0.55;    // .. of the most that were seen again in a slot of the last second
 
 }  // namespace
@@ -24,13 +25,13 @@ ViewCheck::ViewCheck(const SensorModel& sensor)
 }
 
 void ViewCheck::forget() {
-  now_ = before_ = Slot{};
+  now_ = before_ = earlier_ = Slot{};
   n_again_.fill(0);
   last_placed_ = last_end_ = kTimeMin;
 }
 
 // eq. MON-6.
-std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
+std::optional<Unexplained> ViewCheck::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
   if (points.empty()) return std::nullopt;
   const TimeNs length = last_end_ > kTimeMin ? std::clamp<TimeNs>(t - last_end_, 1, slot_) : slot_;
   last_end_ = t;
@@ -38,6 +39,7 @@ std::optional<double> ViewCheck::add(std::span<const TimedPoint> points, const T
   place(points, poses, 1 + static_cast<std::size_t>(static_cast<double>(points.size()) / std::max(most, 1.0)));
   if (now_.begin == kTimeMin || t - now_.begin < slot_ - kSlack) return std::nullopt;
   const auto unexplained = compare();
+  earlier_ = before_;
   before_ = now_;
   now_ = Slot{};
   return unexplained;
@@ -51,7 +53,7 @@ void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel&
     const Vec3 p(point.x, point.y, point.z);
     const double range = p.norm();
     if (!(range >= sensor_.min_range && range <= sensor_.max_range)) continue;
-    if (last_placed_ > kTimeMin && point.t - last_placed_ > blind_) now_ = before_ = Slot{};
+    if (last_placed_ > kTimeMin && point.t - last_placed_ > blind_) now_ = before_ = earlier_ = Slot{};
     last_placed_ = point.t;
     if (posed == kTimeMin || point.t - posed > kPose) {
       posed = point.t;
@@ -72,29 +74,41 @@ void ViewCheck::place(std::span<const TimedPoint> points, const TrajectoryModel&
   }
 }
 
-std::optional<double> ViewCheck::compare() {
-  const Eigen::Vector3f shift = (before_.origin - now_.origin).cast<float>();
-  int seen = 0, n = 0, unexplained = 0;
-  for (const Cell& was : before_.cells) {
+std::optional<Unexplained> ViewCheck::compare() {
+  const Seen last = see_again(before_);
+  n_again_[i_again_++ % n_slots_] = last.again;
+  const Seen earlier = see_again(earlier_);
+  const bool skips = earlier.again > kSkips * last.again || !share_of(last);
+  const auto share = share_of(skips ? earlier : last);
+  return share ? std::optional(Unexplained{.share = *share, .skips = skips}) : std::nullopt;
+}
+
+ViewCheck::Seen ViewCheck::see_again(const Slot& earlier) const {
+  const Eigen::Vector3f shift = (earlier.origin - now_.origin).cast<float>();
+  Seen seen;
+  for (const Cell& was : earlier.cells) {
     if (was.n < kSeen) continue;
-    ++seen;
+    ++seen.all;
     if (was.farthest > kOneSurface * was.nearest) continue;
     const Eigen::Vector3f q = was.sum / static_cast<float>(was.n) + shift;
     const float sum = q.cwiseAbs().sum(), distance = q.norm();
     if (!(distance > static_cast<float>(sensor_.min_range)) || !std::isfinite(sum)) continue;
     const Cell& is = now_.cells[octahedral_cell(q, sum, kSide)];
     if (is.n < kSeen) continue;
-    ++n;
+    ++seen.again;
     if (distance < (1.0F - kLoose) * is.nearest - kLooseBy || distance > (1.0F + kLoose) * is.farthest + kLooseBy) {
-      ++unexplained;
+      ++seen.unexplained;
     }
   }
-  n_again_[i_again_++ % n_slots_] = n;
-  // Where little of the view is seen again, who walks by the lens is much of that. A wall that comes close takes the
-  // view away over several slots.
+  return seen;
+}
+
+// Where little of the view is seen again, who walks by the lens is much of that. A wall that comes close takes the view
+// away over several slots.
+std::optional<double> ViewCheck::share_of(const Seen& seen) const {
   const int usual = *std::max_element(n_again_.begin(), n_again_.end());
-  if (n < kSeenAgain * seen || n < kOfUsual * usual) return std::nullopt;
-  return n < kMin ? std::nullopt : std::optional(static_cast<double>(unexplained) / n);
+  if (seen.again < kMin || seen.again < kSeenAgain * seen.all || seen.again < kOfUsual * usual) return std::nullopt;
+  return static_cast<double>(seen.unexplained) / seen.again;
 }
 
 }  // namespace aslio::pipeline

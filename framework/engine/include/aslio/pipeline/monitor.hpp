@@ -92,7 +92,7 @@ class Monitor {
   void measure_fit(const Update& update, const OverlapScore& overlap, double dt);
   void measure_pull(const Window& window, const Update& update, double dt, bool bridged);
   void judge_change(double change);
-  void judge_unexplained(double share);
+  void judge_unexplained(const Unexplained& seen);
   bool finds_itself(const Window& window, const Update& update);
   void measure_view(const Window& window, const Update& update, bool bridged);
   void note_unbound(const Update& update, double dt);
@@ -117,13 +117,14 @@ class Monitor {
   int view_count_ = 0;
   std::array<double, 4> unexplained_{};
   int unexplained_count_ = 0;
-  int phantom_slots_ = 0;     ///< in a row, with a motion of the run that the view does not show
-  double fastest_ = 0;        ///< turn rate since the last slot [rad/s]
-  double last_change_ = 0;    ///< of the view, in the last sweep
-  double since_jump_ = 1e9;   ///< [s] of the last jump of the view
-  double refused_for_ = 0;    ///< [s] without an accepted update
-  double unsettled_for_ = 0;  ///< [s] still, after many refused ones
-  bool doubted_ = false;      ///< something stood in for the gyro since begin()
+  int phantom_slots_ = 0;          ///< in a row, with a motion of the run that the view does not show
+  double fastest_ = 0;             ///< turn rate since the last slot [rad/s]
+  double last_change_ = 0;         ///< of the view, in the last sweep
+  std::array<double, 2> jumps_{};  ///< of the view, in the last two sweeps, the last first
+  double since_jump_ = 1e9;        ///< [s] of the last jump of the view
+  double refused_for_ = 0;         ///< [s] without an accepted update
+  double unsettled_for_ = 0;       ///< [s] still, after many refused ones
+  bool doubted_ = false;           ///< something stood in for the gyro since begin()
   /// [s] without a break.
   double misfit_for_ = 0, rout_for_ = 0, implausible_for_ = 0, torn_for_ = 0;
 };

@@ -10,6 +10,13 @@
 
 namespace aslio::pipeline {
 
+/// Share of the surfaces of a slot before that are nearer or farther now than the motion explains.
+struct Unexplained {
+  double share = 0;
+  /// Against the slot before the last: of that one more was seen again.
+  bool skips = false;
+};
+
 /// Places the points of a slot (a sweep, at least 0.1 s) by the poses of the run, sees the next slot from where the run
 /// then is, and compares ranges by direction (docs/equations.md MON-6). A sensor that was moved, whose data were cut,
 /// or whose velocity is wrong is not where its run says. It knows neither map nor filter. No allocation.
@@ -17,11 +24,11 @@ class ViewCheck {
  public:
   explicit ViewCheck(const SensorModel& sensor);
 
-  /// Takes the raw points of a window that ends at `t`, placed by `poses`. Once a slot is full: share of the surfaces
-  /// of the slot before that are nearer or farther now than the motion explains. Nothing before, after a time without
-  /// points, where fewer than kMin directions are seen in both, or fewer than 0.45 of those of a slot of the last
-  /// second.
-  std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
+  /// Takes the raw points of a window that ends at `t`, placed by `poses`. Once a slot is full it is compared with the
+  /// slot before. Two slots say nothing of each other after a time without points, where fewer than kMin directions are
+  /// seen in both, or less than a share of those of the earlier slot or of a slot of the last second. Where more of
+  /// the slot before the last is seen again, that one is taken: the view changed within the slot between.
+  std::optional<Unexplained> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
   /// What was seen is no longer before what comes.
   void forget();
 
@@ -43,11 +50,18 @@ class ViewCheck {
     TimeNs begin = kTimeMin;
   };
   void place(std::span<const TimedPoint> points, const TrajectoryModel& poses, std::size_t stride);
-  std::optional<double> compare();
+  std::optional<Unexplained> compare();
+  /// Surfaces of `earlier` that are seen in the slot of now.
+  struct Seen {
+    int all = 0, again = 0, unexplained = 0;
+  };
+  Seen see_again(const Slot& earlier) const;
+  /// A share, if enough was seen again.
+  std::optional<double> share_of(const Seen& seen) const;
 
   SensorModel sensor_;
   TimeNs slot_, blind_;  ///< length of a slot; time without points after which nothing is compared [ns]
-  Slot now_, before_;
+  Slot now_, before_, earlier_;
   std::array<int, 10> n_again_{};          ///< directions seen again in the slots of the last second
   std::size_t n_slots_ = 1, i_again_ = 0;  ///< slots of a second, at least 1; their number so far
   TimeNs last_placed_ = kTimeMin;          ///< of the points that count
