@@ -31,7 +31,7 @@ using namespace aslio;
 
 namespace {
 
-constexpr double kCut = 4.0;  // [s]
+constexpr double kCut = 4.0, kSilence = 10.0;  // [s]
 
 /// What becomes of one measurement; `since`: seconds after the fault begins (negative: before).
 struct Fault {
@@ -78,6 +78,7 @@ struct Fault {
     if (name == "gyro_double") s.gyro *= 2.0;
     if (name == "acc_bias_3") s.acc += Vec3(3, 0, 0);
     if (name == "acc_g") s.acc /= kStandardGravity;
+    if (name == "imu_silent") return to_seconds(s.t - at) >= kSilence;
     if (name == "imu_zero") s.gyro = s.acc = Vec3::Zero();
     if (name == "imu_stuck") {
       if (!held) held = s;
@@ -104,7 +105,8 @@ void spoil(SensorModel& sensor, const std::string& name) {
   if (name == "move_z1") sensor.T_imu_lidar.p.z() += 1;
 }
 
-/// Writes the signals of every update, with the error since the fault began (of the sensor file: since 2 s).
+/// Writes the signals of every update, with the error since the fault began (of the sensor file: since 2 s; after a new
+/// start: since that).
 class Dump final : public pipeline::UpdateObserver {
  public:
   Dump(const std::string& path, const Trajectory& truth, const Fault& fault, TimeNs begin)
@@ -120,9 +122,9 @@ class Dump final : public pipeline::UpdateObserver {
     const auto truth = truth_.pose(r.plan.end + (cut ? to_ns(kCut) : 0));
     const Pose pose = r.state.pose();
     double error = 0;
-    if (truth && (r.plan.end <= aligned_at_ || !known_)) {
+    if (truth && (r.plan.end <= aligned_at_ || r.segment != aligned_)) {
       align_ = pose * truth->inverse();
-      known_ = true;
+      aligned_ = r.segment;
     } else if (truth) {
       error = (pose.p - align_ * truth->p).norm();
       path_ += last_ ? (truth->p - *last_).norm() : 0.0;
@@ -147,7 +149,7 @@ class Dump final : public pipeline::UpdateObserver {
   const Fault& fault_;
   TimeNs begin_, aligned_at_;
   Pose align_;
-  bool known_ = false;
+  std::optional<std::uint32_t> aligned_;  ///< segment that was aligned last
   double path_ = 0;
   std::optional<Vec3> last_;
 };

@@ -321,7 +321,9 @@ constexpr double kFits = 0.35;   // of the best fit: less is none
 // A motion may be the right one although another overlaps by so much more and fits so many times better: guard rails.
 constexpr double kAlsoOverlaps = 0.16, kAlsoFits = 1.35;
 constexpr double kCertain = 0.3;  // sigma of one of several that is taken [m/s]
-constexpr double kApart = 1.2;    // displacements per sweep that differ by more are two [m]
+// Sweeps of a narrow view in a sharp turn share less of it. What little they share then fits one velocity or another.
+constexpr double kShares = 0.3;  // least overlap of a motion that is believed
+constexpr double kApart = 1.2;   // displacements per sweep that differ by more are two [m]
 
 /// A rest, and the velocities to look at closely: those that overlap the most, apart from each other.
 std::vector<Vec3> candidates(Registration& registration, double period) {
@@ -394,7 +396,8 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
     refined.push_back(r);
   }
   auto [best, alone] = choose(refined, step);
-  const bool overlaps_more = registration.overlap(best) > overlap_at_rest + kSame;
+  const double overlap = registration.overlap(best);
+  const bool overlaps_more = overlap > overlap_at_rest + kSame;
   registration.refine(best, kLevels.size(), 2);
 
   SweepMotion out;
@@ -421,7 +424,7 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   out.moves = better && best.v.norm() > std::max(kRestSpeed, out.sigma_velocity);
   out.ambiguous = !alone;
   out.contradicts_gyro = registration.inertial() && best.e.norm() > kMaxOfGyro;
-  out.believed = fits && !out.contradicts_gyro && out.sigma_velocity < (alone ? 1.0 : kCertain);
+  out.believed = overlap > kShares && fits && !out.contradicts_gyro && out.sigma_velocity < (alone ? 1.0 : kCertain);
   return out;
 }
 
