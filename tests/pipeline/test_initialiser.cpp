@@ -237,7 +237,7 @@ TEST_CASE("initialisation: nothing is averaged over a gap of the IMU") {
 TEST_CASE("initialisation: the first sweeps prove a rest only where they bind the velocity") {  // eq. INI-6
   SweepMotion motion;
   motion.gravity = Vec3(0, 0, -kStandardGravity);
-  motion.believed = true;
+  motion.shares = motion.believed = true;
   const auto start = [&](double sigma, bool moves) {
     Initialisation found;
     found.initial.mode = InitialMode::static_start;
@@ -266,12 +266,15 @@ TEST_CASE("initialisation: the first sweeps prove a rest only where they bind th
              Contains("11.0 m/s is used, another one explains the first sweeps nearly as well"));
   CHECK(start(0.3, false).initial.mode == InitialMode::static_start);
   CHECK_FALSE(start(0.3, false).doubt.empty());
+  motion.shares = motion.believed = motion.ambiguous = false;  // a narrow view in a sharp turn
+  CHECK(start(0.3, false).initial.mode == InitialMode::dynamic_start);
+  CHECK_THAT(start(0.3, false).doubt, Contains("the first sweeps share too little of the view"));
 }
 
 TEST_CASE("initialisation: a declared rest that the first sweeps contradict is kept, and doubted") {
   SweepMotion motion;
   motion.velocity = Vec3(11, 0, 0);
-  motion.moves = motion.believed = true;
+  motion.shares = motion.moves = motion.believed = true;
   Initialisation found;
   found.initial.mode = InitialMode::static_start;
   doubt_declared_rest(found, motion);

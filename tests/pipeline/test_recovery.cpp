@@ -290,7 +290,7 @@ TEST_CASE("an IMU that falls silent is a loss while the points go on, and none o
   CHECK(longer.odometry.losses().size() == 1);
 }
 
-TEST_CASE("what follows the silence of an IMU is right from its new start on") {
+TEST_CASE("a new start in a sharp turn after the silence of an IMU claims no velocity that is not there") {
   const auto seed = GENERATE(as<std::uint64_t>{}, 2, 3, 4, 5, 6, 7, 8, 9);
   const std::string name = GENERATE(std::string("as_lio_plus"), std::string("fixed_window"));
   CAPTURE(seed, name);

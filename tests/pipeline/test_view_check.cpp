@@ -57,6 +57,8 @@ double worst(const Motion& truth, const Motion& believed, TimeNs window, double 
   std::mt19937 engine(101);
   const auto uniform = [&](double a, double b) { return a + (b - a) * static_cast<double>(engine() % 100'000) / 1e5; };
   double out = -1;
+  const TimeNs slot = std::max(kSecond / 10, to_ns(sensor.sweep_period));
+  TimeNs begin = kEpoch;
   for (TimeNs end = kEpoch + window; end <= kEpoch + 2 * kSecond; end += window) {
     std::vector<TimedPoint> points;
     const auto count = static_cast<int>(100'000 * to_seconds(window));
@@ -71,7 +73,9 @@ double worst(const Motion& truth, const Motion& believed, TimeNs window, double 
       const Eigen::Vector3f p = ((cast(T.p, T.R * ray) + uniform(-0.03, 0.03)) * ray).cast<float>();
       points.push_back({.x = p.x(), .y = p.y(), .z = p.z(), .t = t});
     }
-    const auto share = check.add(points, believed, end);
+    const bool ends = end - begin >= slot - kSecond / 200;
+    if (ends) begin = end;
+    const auto share = check.add(points, believed, end, ends);
     if (share && to_seconds(end - kEpoch) > after) out = std::max(out, share->share);
   }
   return out;
@@ -156,11 +160,11 @@ TEST_CASE("view check: a slot is a sweep, and after a silence nothing is compare
                       .z = static_cast<float>(5 * z),
                       .t = kEpoch + (i + 1) * 25'000});
   }
-  CHECK_FALSE(check.add(points, still, kEpoch + kSecond / 10));
+  CHECK_FALSE(check.add(points, still, kEpoch + kSecond / 10, true));
   for (TimedPoint& p : points) p.t += kSecond;
-  CHECK_FALSE(check.add(points, still, kEpoch + 11 * kSecond / 10));
+  CHECK_FALSE(check.add(points, still, kEpoch + 11 * kSecond / 10, true));
   for (TimedPoint& p : points) p.t += kSecond / 10;
-  const auto again = check.add(points, still, kEpoch + 12 * kSecond / 10);
+  const auto again = check.add(points, still, kEpoch + 12 * kSecond / 10, true);
   REQUIRE(again);
   CHECK(again->share == 0.0);
   CHECK_FALSE(again->skips);
@@ -169,10 +173,10 @@ TEST_CASE("view check: a slot is a sweep, and after a silence nothing is compare
   for (TimedPoint& p : covered) p.x = p.y = p.z = 0.001F;
   for (int i = 1; i <= 6; ++i) {
     for (TimedPoint& p : covered) p.t += kSecond / 10;
-    CHECK_FALSE(check.add(covered, still, kEpoch + (12 + i) * kSecond / 10));
+    CHECK_FALSE(check.add(covered, still, kEpoch + (12 + i) * kSecond / 10, true));
   }
   for (TimedPoint& p : points) p.t += 7 * kSecond / 10;
-  CHECK_FALSE(check.add(points, still, kEpoch + 19 * kSecond / 10));
+  CHECK_FALSE(check.add(points, still, kEpoch + 19 * kSecond / 10, true));
 }
 
 }  // namespace aslio::pipeline::view_check_test

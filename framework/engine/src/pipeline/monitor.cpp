@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "aslio/core/angles.hpp"
 #include "aslio/core/lie.hpp"
@@ -35,9 +36,6 @@ constexpr double kUnexplainedTurn = 0.15, kSharpTurn = 1.0;
 // A piece that is missing leaves most of the change of the view unexplained; a turn past something near, half of it.
 constexpr double kUnexplainedOfChange = 0.6;
 constexpr double kUnexplainedJump = 4.0, kUnexplainedStir = 2.5;
-// A piece that is missing changes the view in the same sweep: at cuts 1.35 times and more. Who passes by the lens hides
-// a part of the view first, and shows what is behind later.
-constexpr double kUnexplainedView = 1.2;
 // Beside a jump of the view in the same sweep: share of the surfaces and of the change for an alarm, share to be
 // stirred.
 constexpr double kUnexplainedBoth = 0.06, kBothOfChange = 0.5, kUnexplainedStirs = 0.03;
@@ -126,8 +124,8 @@ void Monitor::begin(bool uses_imu) {
   contradicted_ = {};
   turned_ = {};
   view_count_ = unexplained_count_ = phantom_slots_ = 0;
-  fastest_ = last_change_ = 0;
-  jumps_ = {};
+  fastest_ = fastest_before_ = 0;
+  sweeps_ = {};
   since_jump_ = 1e9;
   refused_for_ = unsettled_for_ = 0;
   doubted_ = false;
@@ -194,11 +192,11 @@ void Monitor::measure_view(const Window& window, const Update& update, bool brid
     check_.forget();  // within such a window the poses are a guess, in a sharp turn
     phantom_slots_ = 0;
     if (stirs) since_jump_ = 0;
-  } else if (const auto unexplained = check_.add(window.fresh, *update.trajectory, window.plan.end)) {
+  } else if (const auto unexplained = check_.add(window.fresh, *update.trajectory, window.plan.end, view_.ended())) {
     judge_unexplained(*unexplained);
     // What a turn brings into view is where the motion puts it.
     if (stirs && unexplained->share > kUnexplainedStirs) since_jump_ = 0;
-  } else if (change) {
+  } else if (view_.ended()) {
     phantom_slots_ = 0;  // too little is seen again: nothing is said of this sweep
   }
   if (tells && signals_.view_jump > kViewJump) {
@@ -226,30 +224,32 @@ bool Monitor::finds_itself(const Window& window, const Update& update) {
 
 // eq. MON-2.
 void Monitor::judge_change(double change) {
-  last_change_ = signals_.view_change = change;
+  signals_.view_change = change;
   if (view_count_ >= 4) {
     const double usual = std::max(*std::max_element(views_.begin(), views_.end()), 0.03);
     signals_.view_jump = change / usual;
-    jumps_ = {signals_.view_jump, jumps_[0]};
   }
+  sweeps_ = {Sweep{change, signals_.view_jump}, sweeps_[0]};
   views_[static_cast<std::size_t>(view_count_++ % 4)] = change;
 }
 
 // eq. MON-6.
 void Monitor::judge_unexplained(const Unexplained& seen) {
   const double share = signals_.unexplained = seen.share;
-  const double jump = seen.skips ? std::max(jumps_[0], jumps_[1]) : jumps_[0];
+  // Against the slot before the last one, what was in that between counts, too.
+  const auto [last, before_last] = sweeps_;
+  const double change = seen.skips ? std::max(last.change, before_last.change) : last.change;
+  const double jump = seen.skips ? std::max(last.jump, before_last.jump) : last.jump;
+  const double turn = seen.skips ? std::max(fastest_, fastest_before_) : fastest_;
   if (unexplained_count_ >= 4) {
     const double before = *std::max_element(unexplained_.begin(), unexplained_.end());
     const double usual = std::max(before, kUnexplainedUsual);
-    const double least = std::max(kUnexplained + kUnexplainedTurn * std::max(fastest_ - kSharpTurn, 0.0),
-                                  kUnexplainedOfChange * last_change_);
+    const double least =
+        std::max(kUnexplained + kUnexplainedTurn * std::max(turn - kSharpTurn, 0.0), kUnexplainedOfChange * change);
     // A jump of the view in the same sweep: two signs that are weak alone.
-    const bool jumps = signals_.view_change > kViewLeast && signals_.view_jump > kViewStir;
-    const bool both = jumps && share > kUnexplainedBoth && share > kBothOfChange * last_change_;
-    // The view jumps with it, or hardly changes while the run does.
-    const bool apart = jump > kUnexplainedView || share > kPhantomOfChange * last_change_;
-    if (both || (share > least && share > kUnexplainedJump * usual && apart)) {
+    const bool jumps = change > kViewLeast && jump > kViewStir;
+    const bool both = jumps && share > kUnexplainedBoth && share > kBothOfChange * change;
+    if (both || (share > least && share > kUnexplainedJump * usual)) {
       raise(
           fmt::format("{:.0f} % of the surfaces seen before are not where the motion of the run puts them, usually "
                       "{:.0f} %. A piece of the data is missing, or the sensor was moved",
@@ -258,9 +258,9 @@ void Monitor::judge_unexplained(const Unexplained& seen) {
     if (share > least && share > kUnexplainedStir * usual) since_jump_ = 0;
   }
   unexplained_[static_cast<std::size_t>(unexplained_count_++ % 4)] = share;
-  const bool phantom = !seen.skips && share > kPhantom && share > kPhantomOfChange * last_change_;
+  const bool phantom = !seen.skips && share > kPhantom && share > kPhantomOfChange * change;
   phantom_slots_ = phantom ? phantom_slots_ + 1 : 0;
-  fastest_ = 0;
+  fastest_before_ = std::exchange(fastest_, 0.0);
 }
 
 // eq. MON-3.

@@ -424,7 +424,8 @@ std::optional<SweepMotion> find_sweep_motion(std::span<const TimedPoint> points,
   out.moves = better && best.v.norm() > std::max(kRestSpeed, out.sigma_velocity);
   out.ambiguous = !alone;
   out.contradicts_gyro = registration.inertial() && best.e.norm() > kMaxOfGyro;
-  out.believed = overlap > kShares && fits && !out.contradicts_gyro && out.sigma_velocity < (alone ? 1.0 : kCertain);
+  out.shares = overlap > kShares;
+  out.believed = out.shares && fits && !out.contradicts_gyro && out.sigma_velocity < (alone ? 1.0 : kCertain);
   return out;
 }
 

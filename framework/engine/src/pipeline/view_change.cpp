@@ -17,6 +17,7 @@ void ViewChange::forget() {
 }
 
 std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
+  ended_ = false;
   if (points.empty()) return std::nullopt;
   if (last_point_ > kTimeMin && points.front().t - last_point_ > blind_) forget();
   last_point_ = points.back().t;
@@ -41,7 +42,8 @@ std::optional<double> ViewChange::add(std::span<const TimedPoint> points, const 
     ++cell.n;
   }
   if (slot_begin_ == kTimeMin) slot_begin_ = points.front().t;
-  if (t - slot_begin_ < slot_ - kSlack) return std::nullopt;
+  ended_ = t - slot_begin_ >= slot_ - kSlack;
+  if (!ended_) return std::nullopt;
   const auto change = compare();
   // What a blind slot did not see stays to be compared with.
   const bool seen = std::any_of(now_.begin(), now_.end(), [](const Cell& c) { return c.n > 0; });

@@ -31,13 +31,14 @@ void ViewCheck::forget() {
 }
 
 // eq. MON-6.
-std::optional<Unexplained> ViewCheck::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t) {
+std::optional<Unexplained> ViewCheck::add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t,
+                                          bool ends) {
   if (points.empty()) return std::nullopt;
   const TimeNs length = last_end_ > kTimeMin ? std::clamp<TimeNs>(t - last_end_, 1, slot_) : slot_;
   last_end_ = t;
   const double most = static_cast<double>(kMaxPoints) * static_cast<double>(length) / static_cast<double>(slot_);
   place(points, poses, 1 + static_cast<std::size_t>(static_cast<double>(points.size()) / std::max(most, 1.0)));
-  if (now_.begin == kTimeMin || t - now_.begin < slot_ - kSlack) return std::nullopt;
+  if (!ends || now_.begin == kTimeMin) return std::nullopt;
   const auto unexplained = compare();
   earlier_ = before_;
   before_ = now_;
@@ -78,9 +79,11 @@ std::optional<Unexplained> ViewCheck::compare() {
   const Seen last = see_again(before_);
   n_again_[i_again_++ % n_slots_] = last.again;
   const Seen earlier = see_again(earlier_);
-  const bool skips = earlier.again > kSkips * last.again || !share_of(last);
-  const auto share = share_of(skips ? earlier : last);
-  return share ? std::optional(Unexplained{.share = *share, .skips = skips}) : std::nullopt;
+  const auto of_last = share_of(last), of_earlier = share_of(earlier);
+  if (of_earlier && (!of_last || earlier.again > kSkips * last.again)) {
+    return Unexplained{.share = *of_earlier, .skips = true};
+  }
+  return of_last ? std::optional(Unexplained{.share = *of_last}) : std::nullopt;
 }
 
 ViewCheck::Seen ViewCheck::see_again(const Slot& earlier) const {

@@ -82,6 +82,10 @@ class Monitor {
     Mean<double> now, usual;
     double rise(double x, double dt, bool known);
   };
+  /// What MON-2 says of one.
+  struct Sweep {
+    double change = 0, jump = 0;
+  };
   struct Pull {
     Mean<Vec3> now;
     Mean<double> usual;  ///< of the squared norm of `now`
@@ -117,14 +121,13 @@ class Monitor {
   int view_count_ = 0;
   std::array<double, 4> unexplained_{};
   int unexplained_count_ = 0;
-  int phantom_slots_ = 0;          ///< in a row, with a motion of the run that the view does not show
-  double fastest_ = 0;             ///< turn rate since the last slot [rad/s]
-  double last_change_ = 0;         ///< of the view, in the last sweep
-  std::array<double, 2> jumps_{};  ///< of the view, in the last two sweeps, the last first
-  double since_jump_ = 1e9;        ///< [s] of the last jump of the view
-  double refused_for_ = 0;         ///< [s] without an accepted update
-  double unsettled_for_ = 0;       ///< [s] still, after many refused ones
-  bool doubted_ = false;           ///< something stood in for the gyro since begin()
+  int phantom_slots_ = 0;                    ///< in a row, with a motion of the run that the view does not show
+  double fastest_ = 0, fastest_before_ = 0;  ///< turn rate since the last slot that said something, before it [rad/s]
+  std::array<Sweep, 2> sweeps_{};            ///< the last one first
+  double since_jump_ = 1e9;                  ///< [s] of the last jump of the view
+  double refused_for_ = 0;                   ///< [s] without an accepted update
+  double unsettled_for_ = 0;                 ///< [s] still, after many refused ones
+  bool doubted_ = false;                     ///< something stood in for the gyro since begin()
   /// [s] without a break.
   double misfit_for_ = 0, rout_for_ = 0, implausible_for_ = 0, torn_for_ = 0;
 };

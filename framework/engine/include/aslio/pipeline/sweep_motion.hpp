@@ -21,7 +21,9 @@ struct SweepMotion {
   double fit_at_rest = 0;        ///< the same had the sensor not moved
   /// The points show a motion: no rest explains the sweeps as well.
   bool moves = false;
-  /// The next sweep agrees with the motion, the points bind it, and no rate of turn contradicts the gyro.
+  /// The first sweeps share enough of the view to say anything, also of a rest.
+  bool shares = false;
+  /// They do, the next sweep agrees with the motion, the points bind it, and no rate of turn contradicts the gyro.
   bool believed = false;
   /// Another motion, more than 1.2 m per sweep apart, explains the sweeps nearly as well.
   bool ambiguous = false;

@@ -22,6 +22,8 @@ class ViewChange {
   /// each at most kMax. Nothing before, after a time without points, or where fewer than kMin directions are seen in
   /// both.
   std::optional<double> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
+  /// Whether a slot ended with the window that was added last.
+  bool ended() const { return ended_; }
   /// What was seen is no longer before what comes.
   void forget();
 
@@ -44,6 +46,7 @@ class ViewChange {
   TimeNs blind_;  ///< after so long without points the view may have changed for good [ns]
   std::array<Cell, kSide * kSide> now_{}, before_{};
   TimeNs slot_begin_ = kTimeMin, last_point_ = kTimeMin;
+  bool ended_ = false;
 };
 
 }  // namespace aslio::pipeline

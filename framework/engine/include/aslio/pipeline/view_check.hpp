@@ -13,8 +13,7 @@ namespace aslio::pipeline {
 /// Share of the surfaces of a slot before that are nearer or farther now than the motion explains.
 struct Unexplained {
   double share = 0;
-  /// Against the slot before the last: of that one more was seen again.
-  bool skips = false;
+  bool skips = false;  ///< against the slot before the last one
 };
 
 /// Places the points of a slot (a sweep, at least 0.1 s) by the poses of the run, sees the next slot from where the run
@@ -24,11 +23,12 @@ class ViewCheck {
  public:
   explicit ViewCheck(const SensorModel& sensor);
 
-  /// Takes the raw points of a window that ends at `t`, placed by `poses`. Once a slot is full it is compared with the
-  /// slot before. Two slots say nothing of each other after a time without points, where fewer than kMin directions are
-  /// seen in both, or less than a share of those of the earlier slot or of a slot of the last second. Where more of
-  /// the slot before the last is seen again, that one is taken: the view changed within the slot between.
-  std::optional<Unexplained> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t);
+  /// Takes the raw points of a window that ends at `t`, placed by `poses`. `ends`: a slot ends with it
+  /// (ViewChange::ended(), so that both see the same slots); then it is compared with the slot before. Two slots say
+  /// nothing of each other after a time without points, where fewer than kMin surfaces are seen again, or less than a
+  /// share of those of the earlier slot or of a slot of the last second. The slot before the last is taken where the
+  /// last says nothing, and where more of that one is seen again: then the view changed within the last.
+  std::optional<Unexplained> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t, bool ends);
   /// What was seen is no longer before what comes.
   void forget();
 
@@ -36,7 +36,6 @@ class ViewCheck {
   static constexpr int kSide = 64;                 ///< cells of the octahedral map per axis: 3 deg
   static constexpr std::size_t kMaxPoints = 6000;  ///< of a slot
   static constexpr TimeNs kPose = kSecond / 200;   ///< points of so long share a pose
-  static constexpr TimeNs kSlack = kSecond / 200;  ///< that a window may be shorter than a slot
   static constexpr int kMin = 20;
   /// A direction from the origin of its slot.
   struct Cell {
