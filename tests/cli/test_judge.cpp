@@ -82,7 +82,15 @@ TEST_CASE("refused updates are told with their number and status") {
   Summary s = with(good_run(), kFewMatches, 7);
   s.refused_by_status[kFewMatches] = 7;
   s.accepted = 193;
-  s.refused_after_accepted = true;
+  s.refused_s = 0.056;  // of windows of 8 ms: as long as half a sweep
+  judge_ended(s);
+  CHECK(s.status == RunStatus::ok);
+  CHECK_THAT(to_json(s), Contains("\"updates_refused\": 7"));
+  Summary broke = s;
+  broke.refused_by_status[static_cast<std::size_t>(UpdateStatus::non_finite)] = 1;
+  judge_ended(broke);
+  CHECK(broke.status == RunStatus::degraded);
+  s.refused_s = 0.1;
   judge_ended(s);
   CHECK(s.status == RunStatus::degraded);
   CHECK(s.reason == "7 of 200 updates were refused (7 few_matches)");

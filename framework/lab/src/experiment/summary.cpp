@@ -27,6 +27,7 @@ std::uint64_t count(const StatusCounts& counts, UpdateStatus status) {
   return counts[static_cast<std::size_t>(status)];
 }
 
+constexpr double kMaxRefused = 0.095;  // [s]: a sweep of 0.1 s, not a few windows of 8 ms at an edge of the map
 constexpr std::array kWeak = {UpdateStatus::degenerate, UpdateStatus::few_matches, UpdateStatus::non_finite};
 
 void append(std::string& text, std::string_view what, std::string_view separator) {
@@ -60,7 +61,8 @@ std::string none_accepted(const Summary& s) {
 /// What makes a run `degraded`; empty: nothing.
 std::string shortcomings(const Summary& s, const std::string& odd) {
   std::string text;
-  if (s.refused_after_accepted) append(text, refused(s), "; ");
+  const bool broke = s.refused_s > 0 && s.refused_by_status[static_cast<std::size_t>(UpdateStatus::non_finite)] > 0;
+  if (s.refused_s > kMaxRefused || broke) append(text, refused(s), "; ");
   if (s.weak_share > kMaxWeakShare) {
     append(text,
            fmt::format("{}: {:.0f} % of the time, more than {:.0f} %", weak_updates(s), 100 * s.weak_share,

@@ -78,7 +78,7 @@ void SummaryCollector::on_update(const pipeline::UpdateRecord& record) {
     ++without_view_;
   } else if (!initialising) {
     ++refused_[static_cast<std::size_t>(record.status)];
-    refused_after_accepted_ = refused_after_accepted_ || accepted_ > 0;
+    if (accepted_ > 0) refused_time_ += plan.end - plan.fresh_begin;
   }
 }
 
@@ -106,7 +106,7 @@ void SummaryCollector::fill(Summary& summary, const stream::MeasurementStream& s
   summary.gyro_bias_steps = bias_steps_;
   summary.accepted = accepted_;
   summary.matchable_points = matchable_points_;
-  summary.refused_after_accepted = refused_after_accepted_;
+  summary.refused_s = to_seconds(refused_time_);
   summary.rate_hz = steps_.rates();
   summary.calibration = calibration_;
   summary.path_length_m = path_length_;

@@ -54,7 +54,7 @@ struct Summary {
   std::uint64_t updates_without_view = 0;                ///< hardly any points came, which is no refusal
   std::uint64_t accepted = 0;                            ///< updates that corrected the state
   std::uint64_t matchable_points = 0;                    ///< points that the samplers left to match, of all updates
-  bool refused_after_accepted = false;                   ///< some update was refused after the first accepted one
+  double refused_s = 0;                                  ///< time of those after the first accepted update [s]
   double weak_share = 0;                                 ///< of the time of all windows, that of weak updates
   std::uint64_t updates = 0;
   double longest_imu_gap_s = 0, longest_lidar_gap_s = 0;
@@ -133,7 +133,7 @@ class SummaryCollector final : public pipeline::UpdateObserver {
   TimeNs covered_ = 0;
   std::optional<TimeNs> first_begin_;
   std::optional<Calibration> calibration_;
-  bool refused_after_accepted_ = false;
+  TimeNs refused_time_ = 0;  ///< after the first accepted update
   std::optional<TimeNs> first_end_, last_accepted_, silent_from_, not_finite_;
   TimeNs weak_ = 0, windows_ = 0;  ///< time of the fresh intervals of weak updates, and of all
 };
