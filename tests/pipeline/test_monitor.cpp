@@ -30,9 +30,8 @@ struct Play {
   Still still;
   TimeNs t = 1'700'000'000 * kSecond;
   double room = 5.0;  ///< its radius [m]
-  std::function<double(double z, bool late)> scale = [](double, bool) {
-    return 1.0;
-  };  ///< of ranges; late: second half
+  /// Factor of the range of a direction, `late`: in the second half of the window.
+  std::function<double(double z, bool late)> scale = [](double, bool) { return 1.0; };
   int n_points = 3000;
   double view = 1.0;  ///< share of the sphere that is seen, from +z on
   Vec3 rate = Vec3::Zero();

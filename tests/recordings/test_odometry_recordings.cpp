@@ -294,16 +294,17 @@ TEST_CASE("loam and lio_sam stay within 5 cm of FAST-LIO2 on the KITTI drive, wi
   }
 }
 
-TEST_CASE("loam stays whole on the corridor, and lio_sam is right there or says that it is not") {
+TEST_CASE("loam stays whole on the corridor, and lio_sam is right there or the monitor stops it") {
   const RecordedRun loam = run_on_avia("loam");
   check_whole(loam);
   CHECK(loam.ate_m() <= 0.48);
-  // In the narrow view of an Avia features leave the direction of the corridor open. From most beginnings it is lost.
+  // In the narrow view of an Avia features leave the direction of the corridor open. It is lost by 1.5 m and more.
   for (const std::uint64_t phase : {0, 1, 2, 3}) {
     const RecordedRun run = run_on_avia("lio_sam", 1, {}, phase);
     CAPTURE(phase, run.summary.reason, run.ate_m());
     CHECK(run.summary.evaluation.value().matched_share > 0.99);
-    if (run.summary.status != pipeline::RunStatus::diverged) CHECK(run.ate_m() <= 0.29);
+    // Losses are those that the run finds itself: the reference takes no part.
+    CHECK((run.ate_m() <= 0.29 || !run.summary.losses.empty()));
   }
 }
 

@@ -14,8 +14,8 @@ constexpr float kOneSurface = 1.3F;  // farthest to nearest of one surface
 constexpr float kLoose = 0.08F;      // share of a range within which two agree, and ..
 constexpr float kLooseBy = 0.15F;    // .. so much more [m]
 constexpr double kSeenAgain = 0.4;   // least share of the directions of the slot before that are seen again, and ..
-constexpr double kSkips = 1.1;       // directions of the slot before the last seen again, to those of the last
 constexpr double kOfUsual = 0.55;    // .. of the most that were seen again in a slot of the last second
+constexpr double kSkips = 1.1;       // surfaces of the slot before the last that are seen again, to those of the last
 
 }  // namespace
 
