@@ -3,7 +3,7 @@
 
 usage: tidy.py BUILD_DIR [--tally FILE] [PATH_PART...]
 
-Up to eight sources of a folder are checked as one, and each by itself where that finds something. Without the precompiled
+Up to eight sources that share no name are checked as one, and each by itself where that finds something. Without the precompiled
 headers of the build: a source includes what it uses.
 A file that passed is not checked again until it, a header of ours that it includes, its compile command or .clang-tidy
 changes: passes are kept by content in ${XDG_CACHE_HOME:-~/.cache}/aslio/tidy.
@@ -19,29 +19,37 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools/lib"))
+import neighbours
+
 TOOL = "clang-tidy-14"
-BATCH = 8
 MODULES = ("framework/", "plugins/", "tools/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
+def members(entry, build):
+    """The sources that a compile command is for: one, or those of a file that includes them (ASLIO_UNITY)."""
+    path = pathlib.Path(entry["directory"], entry["file"]).resolve()
+    if path.is_relative_to(build) and path.parent.name == "Unity":
+        return path, [pathlib.Path(member) for member in INCLUDE.findall(path.read_text(encoding="utf-8"))]
+    return path, [path]
+
+
 def sources(build, parts):
-    """Batches of our sources that take the same options: lists of (path relative to the root, a compile command of its own)."""
-    alike = {}
+    """Batches of our sources that take the same options and share no name: lists of (path relative to the root, a compile
+    command of its own)."""
+    alike, seen = {}, set()
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        path = pathlib.Path(entry["directory"], entry["file"]).resolve()
-        name = path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) and not path.is_relative_to(build) else ""
-        if not name.startswith(MODULES) or parts and not any(part in name for part in parts):
-            continue
-        # Without its output, which names what else is compiled, and without precompiled headers.
-        command = re.sub(r" -Winvalid-pch| -include \S+cmake_pch\S*| -(o|MT|MF) \S+| -MD", "", entry["command"])
-        alike.setdefault((path.parent, command.replace(str(path), "SOURCE")), {})[name] = command
-    batches, seen = [], set()
-    for files in alike.values():
-        fresh = [(name, command) for name, command in sorted(files.items()) if name not in seen]
-        seen.update(name for name, _ in fresh)
-        batches.extend(fresh[i:i + BATCH] for i in range(0, len(fresh), BATCH))
-    return sorted(batches)
+        path, files = members(entry, build)
+        for file in files:
+            name = file.relative_to(ROOT).as_posix() if file.is_relative_to(ROOT) and not file.is_relative_to(build) else ""
+            if not name.startswith(MODULES) or name in seen or parts and not any(part in name for part in parts):
+                continue
+            seen.add(name)
+            # Without its output, which names what else is compiled, and without precompiled headers.
+            command = re.sub(r" -Winvalid-pch| -Wno-subobject-linkage| -include \S+cmake_pch\S*| -(o|MT|MF) \S+| -MD", "", entry["command"])
+            alike.setdefault(command.replace(str(path), "SOURCE"), {})[str(file)] = (name, command.replace(str(path), str(file)))
+    return sorted([files[path] for path in group] for files in alike.values() for group in neighbours.groups(sorted(files)))
 
 
 def reachable(name, seen):
