@@ -19,6 +19,7 @@ class Neighbours(unittest.TestCase):
         for letter, text in zip("abcdefghijklmnop", texts):
             paths.append(f"{self.folder.name}/{letter}.cpp")
             pathlib.Path(paths[-1]).write_text(text, encoding="utf-8")
+        neighbours.included.cache_clear()  # the same paths have had other texts
         return ["".join(pathlib.Path(path).stem for path in group) for group in neighbours.groups(paths, size)]
 
     @staticmethod
@@ -49,6 +50,16 @@ class Neighbours(unittest.TestCase):
 
     def test_comments_and_texts_are_no_words(self):
         self.assertEqual(self.groups(self.unnamed("int f() { return 1; }"), '// f\nauto t = "f"; /* f\nf */ auto r = R"(f)";\n'), ["ab"])
+
+    def test_a_name_of_a_header_that_the_other_alone_includes_counts(self):
+        pathlib.Path(self.folder.name, "stage.hpp").write_text('#include "deep.hpp"\nclass Stage {\n  int size;\n};\n', encoding="utf-8")
+        pathlib.Path(self.folder.name, "deep.hpp").write_text("double depth(int a);\n", encoding="utf-8")
+        other = '#include "stage.hpp"\nint a();\n'
+        for own in ("struct Stage {\n  int a;\n};", "int depth() { return 1; }"):
+            self.assertEqual(self.groups(self.unnamed(own), other), ["a", "b"])
+        self.assertEqual(self.groups(self.unnamed("int size() { return 1; }"), other), ["ab"])
+        both = '#include "stage.hpp"\n' + self.unnamed("int depth(double) { return 1; }")
+        self.assertEqual(self.groups(both, other), ["ab"])
 
     def test_the_same_alias_twice_is_one(self):
         same = self.unnamed("using Json = nlohmann::json;")

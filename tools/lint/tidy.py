@@ -24,14 +24,13 @@ import neighbours
 
 TOOL = "clang-tidy-14"
 MODULES = ("framework/", "plugins/", "tools/")
-INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def members(entry, build):
     """The sources that a compile command is for: one, or those of a file that includes them (ASLIO_UNITY)."""
     path = pathlib.Path(entry["directory"], entry["file"]).resolve()
     if path.is_relative_to(build) and path.parent.name == "Unity":
-        return path, [pathlib.Path(member) for member in INCLUDE.findall(path.read_text(encoding="utf-8"))]
+        return path, [pathlib.Path(member) for member in neighbours.INCLUDE.findall(path.read_text(encoding="utf-8"))]
     return path, [path]
 
 
@@ -52,23 +51,8 @@ def sources(build, parts):
     return sorted([files[path] for path in group] for files in alike.values() for group in neighbours.groups(sorted(files)))
 
 
-def reachable(name, seen):
-    """Adds to `seen` our headers that a file includes, directly or through others."""
-    path = ROOT / name
-    for include in INCLUDE.findall(path.read_text(encoding="utf-8")):
-        for folder in (path.parent, *(ROOT / f"framework/{part}/include" for part in ("engine", "toolkit", "io", "evaluation", "lab")), ROOT / "plugins", ROOT / "tools", ROOT):
-            candidate = (folder / include).resolve()
-            if candidate.is_file() and candidate.is_relative_to(ROOT):
-                header = candidate.relative_to(ROOT).as_posix()
-                if header not in seen:
-                    seen.add(header)
-                    reachable(header, seen)
-                break
-
-
 def digest(name, command, build):
-    headers = set()
-    reachable(name, headers)
+    headers = {path.relative_to(ROOT).as_posix() for path in neighbours.reachable(ROOT / name)}
     content = hashlib.sha256((ROOT / ".clang-tidy").read_bytes())
     # The clone and its build directory may lie anywhere.
     content.update(command.replace(str(build), "BUILD").replace(str(ROOT), "ROOT").encode())
