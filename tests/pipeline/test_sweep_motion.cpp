@@ -223,3 +223,19 @@ TEST_CASE("sweep motion: a sweep without points says nothing") {
   CHECK_FALSE(find_sweep_motion(data.points, data.imu, kEpoch, car_sensor()));
   CHECK_FALSE(find_sweep_motion({}, {}, kEpoch, car_sensor()));
 }
+
+TEST_CASE("sweep motion: sweeps that share little of the view prove no velocity and no rest") {
+  // A view of 38 deg. In 0.3 s it turns by 17 deg, or by 138 deg out of all that the first sweep saw.
+  for (const double speed : {0.0, 1.2}) {
+    for (const double rate : {1.0, 8.0}) {
+      const SensorModel sensor = car_sensor();
+      Data data = drive({.v = Vec3(speed, 0, 0), .rate = rate}, 200, sensor);
+      std::erase_if(data.points, [](const TimedPoint& p) { return p.x < 0 || std::abs(p.y) > 0.344F * p.x; });
+      const auto motion = find_sweep_motion(data.points, data.imu, kEpoch, sensor);
+      REQUIRE(motion);
+      CAPTURE(speed, rate, motion->velocity.transpose(), motion->sigma_velocity, motion->fit, motion->fit_at_rest);
+      CHECK(motion->shares == (rate < 2));
+      if (!motion->shares) CHECK_FALSE(motion->believed);
+    }
+  }
+}

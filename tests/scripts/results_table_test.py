@@ -148,6 +148,7 @@ class ResultsTable(StudyCase):
         _, out, _ = printed(results_table.main, self.root)
         self.assertIn("--seeds 1-3 --scale 0.3\n", out)
         self.assertIn("Revision 0123456789ab-dirty.", out)
+        self.assertIn("All recordings are simulated.", out)
 
     def test_the_command_has_what_the_verdict_was_reached_with(self):
         self.one()

@@ -193,6 +193,7 @@ def section(study, metrics, options):
     mixed = study.mixed()
     extent += f" **Not one configuration: runs of {', '.join(mixed)} differ in resolved.yaml.**" if mixed else ""
     extent += f" Revision {', '.join(made)}." if made else ""
+    extent += " All recordings are simulated."  # command() asks each for the scale of its scene
     missing = left_out(study)
     extent += f" Of the file, which the command runs whole, without {', '.join(missing)}." if missing else ""
     parts = [f"{PAGE_BEGIN}{study.name}`", study.question, command(study, options), extent, verdict(study, options),
@@ -227,7 +228,7 @@ def listed(folder):
         revision = re.search(r"Revision ([^.]*)\.", extent)
         question = parts[1].replace("\n", " ") if len(parts) > 1 else ""
         lines.append([f"[{page.stem}]({page.name})", question, runs, revision.group(1) if revision else ""])
-    return (INDEX_BEGIN + "\nA page per study, made by `tools/analysis/results_table.py`: question, command, verdict, tables. What they say is "
+    return (INDEX_BEGIN + "\nA page per study, made by `tools/analysis/results_table.py`: question, command, verdict, tables. All their recordings are simulated. What they say is "
             "read in [results.md](../results.md) and [ablations.md](../ablations.md).\n\n"
             + markdown_table(["study", "question", "runs", "revision"], lines) + "\n")
 
