@@ -115,6 +115,9 @@ endfunction()
 
 if(ASLIO_UNITY)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  if(ASLIO_NATIVE OR ASLIO_ARCH)
+    message(STATUS "ASLIO_UNITY has no effect with ASLIO_NATIVE or ASLIO_ARCH")
+  endif()
 endif()
 
 # aslio_unity(TARGET [APART REGEX]): where ASLIO_UNITY, up to eight of its sources are compiled as one that includes them. Which
@@ -132,7 +135,8 @@ function(aslio_unity target)
   set(paths "")
   foreach(source IN LISTS sources)
     cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder} NORMALIZE)
-    if(ARG_APART AND source MATCHES "${ARG_APART}")
+    cmake_path(RELATIVE_PATH source BASE_DIRECTORY ${folder} OUTPUT_VARIABLE name)
+    if(ARG_APART AND name MATCHES "${ARG_APART}")
       set_source_files_properties("${source}" TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     elseif(source MATCHES "[.]cpp$")
       string(APPEND paths "${source}\n")
@@ -148,9 +152,11 @@ function(aslio_unity target)
     set_source_files_properties("${CMAKE_MATCH_2}" TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${target}_${CMAKE_MATCH_1}")
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${CMAKE_MATCH_2}")  # its names may change
   endforeach()
+  # A new name in a header does not configure again by itself; tools/test does, whenever it is called.
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/lib/neighbours.py)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # A class of a source may have members of an unnamed namespace of that source; the compiler takes the source for a header.
-  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
 # aslio_shorten_build(TARGET [APART REGEX]): both of the above.

@@ -4,10 +4,10 @@
 usage: neighbours.py [--size N] < SOURCES > GROUPS
 
 Reads paths of C++ sources, one a line; writes `group:path` for each, N (8) sources to a group at most.
-Two sources of a group share no name: what one declares for itself alone (in an unnamed namespace, static, or as a macro)
-is no word of the other, nor a name of a header of ours that the other alone includes. So neither can the compiler find a
-name twice, nor can a call mean the function of a neighbour.
-A source that replaces `operator new` is alone: the compiler may take a neighbour's allocations for its own.
+Two sources of a group share no name: what one declares for itself alone (in an unnamed namespace, static, constexpr, as an
+alias or a macro) is no word of the other, nor a name of a header of ours that the other alone includes. Neither calls or names
+what only the other's headers declare: so a source cannot lean on an include of a neighbour.
+A source that replaces `operator new`, or has a #pragma or #undef, is alone.
 """
 import functools
 import pathlib
@@ -16,38 +16,61 @@ import sys
 
 SIZE = 8
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = (*sorted(ROOT.glob("framework/*/include")), ROOT / "plugins", ROOT / "tools", ROOT / "tools/simulator/include", ROOT)
+FOLDERS = (*sorted(ROOT.glob("framework/*/include")), ROOT / "plugins", ROOT / "tools", ROOT / "tools/simulator/include",
+           ROOT / "tests", ROOT)
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
-COMMENT_OR_TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', re.DOTALL)
+COMMENT_OR_TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.|[^\'\\\n])+\'', re.DOTALL)
 WORD = re.compile(r"[A-Za-z_]\w*")
-# Of a line at the margin of an unnamed namespace: the name before a bracket, a brace, an initialiser or the end.
-TYPE = re.compile(r"(?:template\b.*>\s*)?(?:struct|class|union|enum(?:\s+class)?|concept|using)\s+(\w+)")
-VALUE = re.compile(r"[\w:<>,&*\s\[\]()]*?\b(\w+)\s*(?:\(|\{|\[|=|;|$)")
+# What names a function or a type, and not a member: `run(`, `Stage`.
+USE = re.compile(r"(?<![\w.])(?<!->)(?:([A-Za-z_]\w*)\s*\(|([A-Z]\w*))")
+# The format writes the end of an unnamed namespace so, and no other line.
+END = re.compile(r"^\}\s+// namespace$", re.MULTILINE)
+ATTRIBUTES = re.compile(r"\[\[.*?\]\]\s*|\balignas\([^)]*\)\s*|\bextern\s+\"\"\s*")
+ARGUMENTS = re.compile(r"<[^<>]*>")
+TYPE = re.compile(r"(?:struct|class|union|enum(?:\s+class)?|concept)\s+(\w+)")
+ENUMERATORS = re.compile(r"\benum\b(?!\s+(?:class|struct)\b)[^{;]*\{([^}]*)\}")
 ALIAS = re.compile(r"^(?:using|namespace) (\w+) = (.*);", re.MULTILINE)
+BROUGHT = re.compile(r"^using ([\w:]+::(\w+));", re.MULTILINE)
 MACRO = re.compile(r"^\s*#\s*define\s+(\w+)", re.MULTILINE)
-NO_NAME = {"namespace", "template", "return", "requires", "public", "private", "using", "operator"}
+ALONE = re.compile(r"\boperator\s+(?:new|delete)\b|^\s*#\s*(?:pragma|undef)\b|\busing\s+enum\b", re.MULTILINE)
+NO_NAME = {"namespace", "template", "return", "requires", "public", "private", "protected", "using", "operator", "TEST_CASE", "const"}
+# Of lines at the margin outside of an unnamed namespace: what is still of this source alone.
+OWN = ("static ", "constexpr ", "const ", "using ", "namespace ")
+
+
+def bare(path):
+    """The code of a file: an empty text for each text and comment, but for the ends of unnamed namespaces, which are "}@"."""
+    return COMMENT_OR_TEXT.sub('""', END.sub("}@", path.read_text(encoding="utf-8")))
 
 
 class Source:
     """The words of a source, the names that are its own, and those of its headers."""
 
     def __init__(self, path):
-        text = pathlib.Path(path).read_text(encoding="utf-8")
-        headers = reachable(pathlib.Path(path))
-        text = COMMENT_OR_TEXT.sub('""', text)
+        text = bare(pathlib.Path(path))
         self.path = path
         self.words = set(WORD.findall(text))
+        self.uses = {call or kind for call, kind in USE.findall(text)}
+        self.brought = {(name, path) for path, name in BROUGHT.findall(text)}
         self.names = set(MACRO.findall(text)) | own_names(text)
         self.aliases = set(ALIAS.findall(text))
-        self.known = set().union(*map(margin_names, headers))
-        self.alone = re.search(r"\boperator\s+(new|delete)\b", text) is not None
+        self.headers = reachable(pathlib.Path(path))
+        self.alone = ALONE.search(text) is not None
 
     def fits(self, other):
+        if self.alone or other.alone:
+            return False
         same = {name for name, _ in self.aliases & other.aliases}  # the same alias twice is one
-        return not (self.alone or other.alone or self.meets(other, same) or other.meets(self, same))
+        return not (self.meets(other, same) or other.meets(self, same))
 
     def meets(self, other, same):
-        return self.names & (other.words | other.known - self.known) - same
+        only = names_of(other.headers - self.headers)
+        brought = {name for name, _ in other.brought - self.brought}
+        return self.names & (other.words | only) - same or self.uses & only or (self.names | self.uses) & brought
+
+
+def names_of(headers):
+    return set().union(*map(margin_names, headers))
 
 
 @functools.lru_cache(None)
@@ -76,27 +99,37 @@ def reachable(path):
 @functools.lru_cache(None)
 def margin_names(header):
     """What a header declares outside of classes: the format puts it at the margin."""
-    text = COMMENT_OR_TEXT.sub('""', header.read_text(encoding="utf-8"))
-    return frozenset(filter(None, map(name_of, text.splitlines())))
+    text = bare(header)
+    return frozenset({name_of(line) for line in text.splitlines()} - {None}) | set(MACRO.findall(text))
 
 
 def name_of(line):
-    """What a line at the margin declares; nothing, where it is none."""
-    found = line[:1].isalpha() and (TYPE.match(line) or VALUE.match(line))
-    return found[1] if found and found[1] not in NO_NAME and not found[1].isupper() else None  # TEST_CASE
+    """What a line at the margin declares; None where it is nothing."""
+    line = ATTRIBUTES.sub("", line)
+    if not line[:1].isalpha() or line.startswith("using ") and " = " not in line:
+        return None
+    head = line
+    while (shorter := ARGUMENTS.sub("", head)) != head:
+        head = shorter
+    if found := TYPE.search(head):
+        return found[1]
+    # The name stands before the parameters, an initialiser or the end; an alias has its own before the `=`.
+    words = WORD.findall(re.split(r"[({=;\[]", head, maxsplit=1)[0])
+    return words[-1] if words and words[-1] not in NO_NAME else None
 
 
 def own_names(text):
-    """What a source declares in unnamed namespaces and as static. The format puts declarations of a namespace at the margin."""
+    """What a source declares for itself alone. The format puts declarations of a namespace at the margin."""
     names, inside = set(), False
     for line in text.splitlines():
         if line.startswith("namespace {"):
             inside = True
-        elif line.startswith("}"):
-            # The end of a function, a type or a namespace: the last has a comment, which is "" here.
-            inside = inside and not line.endswith('""')
-        elif inside or line.startswith("static "):
+        elif line.startswith("}@"):
+            inside = False
+        elif inside or line.startswith(OWN) and not line.rstrip().endswith("{"):
             names.add(name_of(line))
+    for enumerators in ENUMERATORS.findall(text):
+        names.update(WORD.findall(enumerators))
     return names - {None}
 
 

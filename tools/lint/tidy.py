@@ -30,8 +30,8 @@ def members(entry, build):
     """The sources that a compile command is for: one, or those of a file that includes them (ASLIO_UNITY)."""
     path = pathlib.Path(entry["directory"], entry["file"]).resolve()
     if path.is_relative_to(build) and path.parent.name == "Unity":
-        return path, [pathlib.Path(member) for member in neighbours.INCLUDE.findall(path.read_text(encoding="utf-8"))]
-    return path, [path]
+        return [pathlib.Path(member).resolve() for member in neighbours.INCLUDE.findall(path.read_text(encoding="utf-8"))]
+    return [path]
 
 
 def sources(build, parts):
@@ -39,15 +39,15 @@ def sources(build, parts):
     command of its own)."""
     alike, seen = {}, set()
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        path, files = members(entry, build)
-        for file in files:
+        for file in members(entry, build):
             name = file.relative_to(ROOT).as_posix() if file.is_relative_to(ROOT) and not file.is_relative_to(build) else ""
             if not name.startswith(MODULES) or name in seen or parts and not any(part in name for part in parts):
                 continue
             seen.add(name)
             # Without its output, which names what else is compiled, and without precompiled headers.
             command = re.sub(r" -Winvalid-pch| -Wno-subobject-linkage| -include \S+cmake_pch\S*| -(o|MT|MF) \S+| -MD", "", entry["command"])
-            alike.setdefault(command.replace(str(path), "SOURCE"), {})[str(file)] = (name, command.replace(str(path), str(file)))
+            of_it = (name, command.replace(entry["file"], str(file)))
+            alike.setdefault(command.replace(entry["file"], "SOURCE"), {})[str(file)] = of_it
     return sorted([files[path] for path in group] for files in alike.values() for group in neighbours.groups(sorted(files)))
 
 
