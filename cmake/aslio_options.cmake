@@ -6,7 +6,7 @@ option(ASLIO_SPEED_TESTS "Limits of cost as tests, label `speed`: for an optimis
 option(ASLIO_WERROR "Warnings are errors" OFF)
 option(ASLIO_NATIVE "Generate code for this machine's CPU (not for binaries that travel)" OFF)
 option(ASLIO_PCH "Compile the headers of the standard library and of Eigen once, ahead of the sources" ON)
-option(ASLIO_UNITY "Compile up to eight sources as one: a first build in half the time, a longer one after a change to one file" OFF)
+option(ASLIO_UNITY "Compile up to eight sources as one: a first build in two thirds of the time, a longer one after a change to one file" OFF)
 option(ASLIO_REPRODUCIBLE "No fused multiply-add by contraction: the same bits on every machine of one ASLIO_ARCH" OFF)
 set(ASLIO_ARCH "" CACHE STRING "Value of -march, for example x86-64-v3; empty: the compiler's default")
 set(ASLIO_EXEC_BACKEND threads CACHE STRING "Thread backend of exec: threads (sleeps when idle) or openmp (spins unless OMP_WAIT_POLICY=passive)")
@@ -100,7 +100,7 @@ check_pie_supported()
 
 # aslio_precompile(TARGET): it takes the headers of aslio_pch (below) as compiled already. Most of what a compiler does for
 # one of our sources is to read the standard library and Eigen. Every source still includes what it uses: the lint compiles
-# without.
+# without. A missing header of the standard library may hide behind a neighbour there, one of ours not (neighbours.py).
 function(aslio_precompile target)
   if(NOT ASLIO_PCH)
     return()

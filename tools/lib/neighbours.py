@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Which sources may be compiled as one.
 
-usage: neighbours.py [--size N] < SOURCES > GROUPS
+usage: neighbours.py < SOURCES > GROUPS
 
-Reads paths of C++ sources, one a line; writes `group:path` for each, N (8) sources to a group at most.
+Reads paths of C++ sources, one a line; writes `group:path` for each, eight sources to a group at most.
 Two sources of a group share no name: what one declares for itself alone (in an unnamed namespace, static, constexpr, as an
 alias or a macro) is no word of the other, nor a name of a header of ours that the other alone includes. Neither calls or names
 what only the other's headers declare: so a source cannot lean on an include of a neighbour.
@@ -51,7 +51,7 @@ class Source:
         self.path = path
         self.words = set(WORD.findall(text))
         self.uses = {call or kind for call, kind in USE.findall(text)}
-        self.brought = {(name, path) for path, name in BROUGHT.findall(text)}
+        self.brought = {(name, whole) for whole, name in BROUGHT.findall(text)}
         self.names = set(MACRO.findall(text)) | own_names(text)
         self.aliases = set(ALIAS.findall(text))
         self.headers = reachable(pathlib.Path(path))
@@ -147,13 +147,12 @@ def groups(paths, size=SIZE):
     return [[source.path for source in group] for group in made]
 
 
-def main(arguments):
-    size = int(arguments[1]) if arguments[:1] == ["--size"] else SIZE
-    for number, group in enumerate(groups(sys.stdin.read().split("\n")[:-1], size)):
+def main():
+    for number, group in enumerate(groups(sys.stdin.read().split("\n")[:-1])):
         for path in group:
             print(f"{number}:{path}")
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

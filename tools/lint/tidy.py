@@ -3,8 +3,8 @@
 
 usage: tidy.py BUILD_DIR [--tally FILE] [PATH_PART...]
 
-Up to eight sources that share no name are checked as one, and each by itself where that finds something. Without the precompiled
-headers of the build: a source includes what it uses.
+Up to eight sources that share no name are checked as one, and each by itself where that finds something. They are read
+without the precompiled headers of the build.
 A file that passed is not checked again until it, a header of ours that it includes, its compile command or .clang-tidy
 changes: passes are kept by content in ${XDG_CACHE_HOME:-~/.cache}/aslio/tidy.
 """
