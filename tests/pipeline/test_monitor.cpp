@@ -190,7 +190,7 @@ TEST_CASE("monitor: a motion of the run that the view does not show is an alarm 
     Play play;
     Phantom phantom;
     play.update.trajectory = &phantom;
-    play.room = 2.0;
+    play.room = 4.0;
     play.view = 0.2;
     play.n_points = 20000;  // some in every direction, wherever the phantom puts them
     play.calm(30);
@@ -198,7 +198,7 @@ TEST_CASE("monitor: a motion of the run that the view does not show is an alarm 
     std::string reason;
     for (int i = 0; i < 20 && reason.empty(); ++i) {
       if (worse && i == 10) std::fill_n(play.matches.begin(), 60, MatchRecord{});
-      phantom.acceleration = 6.0;  // as of an accelerometer whose bias has changed
+      phantom.acceleration = 12.0;  // as of an accelerometer whose bias has changed
       play.next();
       reason = play.monitor.alarm().value_or("");
     }
@@ -233,7 +233,7 @@ TEST_CASE("monitor: a run that finds itself again after refused updates moves as
     Play play;
     Phantom phantom;
     play.update.trajectory = &phantom;
-    play.room = 2.0;
+    play.room = 4.0;
     play.view = 0.2;
     play.n_points = 20000;
     play.calm(20);
@@ -243,7 +243,7 @@ TEST_CASE("monitor: a run that finds itself again after refused updates moves as
     play.update.accepted = true;
     play.update.status = UpdateStatus::ok;
     phantom.begin = play.t;
-    phantom.acceleration = 150.0;  // 0.75 m in the first window
+    phantom.acceleration = 300.0;  // 1.5 m in the first window
     std::string reason;
     for (int i = 0; i < 3 && reason.empty(); ++i) {
       play.next();
@@ -255,7 +255,7 @@ TEST_CASE("monitor: a run that finds itself again after refused updates moves as
     phantom.acceleration = 0;  // a second later it holds no longer
     play.calm(10);
     phantom.begin = play.t;
-    phantom.acceleration = 150.0;
+    phantom.acceleration = 300.0;
     for (int i = 0; i < 3 && reason.empty(); ++i) {
       play.next();
       reason = play.monitor.alarm().value_or("");

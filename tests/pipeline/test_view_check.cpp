@@ -140,6 +140,36 @@ TEST_CASE("view check: little of the view of the last second is as little as of 
   CHECK(worst(jump(1.75), jump(9), kSecond / 10, 1.6, narrowing) > 0.2);
 }
 
+TEST_CASE("view check: who walks by within 2 m is not a motion that the run does not know") {
+  // For 0.3 s somebody fills 50 deg of the view; what lies behind him stays where it was.
+  const auto share = [](double range) {
+    const Motion still = walk(0, 0);
+    ViewCheck check(SensorModel{});
+    std::mt19937 engine(102);
+    const auto uniform = [&](double a, double b) {
+      return a + (b - a) * static_cast<double>(engine() % 100'000) / 1e5;
+    };
+    double out = -1;
+    for (TimeNs end = kEpoch + kSecond / 10; end <= kEpoch + kSecond; end += kSecond / 10) {
+      const double t = to_seconds(end - kEpoch);
+      const bool there = t > 0.45 && t < 0.75;
+      std::vector<TimedPoint> points;
+      for (int i = 0; i < 6000; ++i) {
+        const double azimuth = uniform(-0.6, 0.6), z = uniform(-0.5, 0.5), c = std::sqrt(1 - z * z);
+        const Vec3 ray(c * std::cos(azimuth), c * std::sin(azimuth), z);
+        const bool hit = there && std::abs(azimuth) < 0.44;
+        const Eigen::Vector3f p = ((hit ? range : cast(still.pose(end).p, ray)) * ray).cast<float>();
+        points.push_back({.x = p.x(), .y = p.y(), .z = p.z(), .t = end - kSecond / 10 + (i + 1) * 10'000});
+      }
+      if (const auto seen = check.add(points, still, end, true)) out = std::max(out, seen->share);
+    }
+    return out;
+  };
+  CHECK(share(0.8) >= 0);
+  CHECK(share(0.8) < 0.01);
+  CHECK(share(3.0) > 0.3);  // a thing that large and that far off is no person
+}
+
 TEST_CASE("view check: a turn that the run does not follow is not explained") {
   CHECK(worst(walk(0, 2.0), walk(0, 0), kSecond / 10, 0.5) > 0.1);
 }

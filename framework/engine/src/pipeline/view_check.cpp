@@ -15,6 +15,7 @@ constexpr float kLoose = 0.08F;      // share of a range within which two agree,
 constexpr float kLooseBy = 0.15F;    // .. so much more [m]
 constexpr double kSeenAgain = 0.4;   // least share of the directions of the slot before that are seen again, and ..
 constexpr double kOfUsual = 0.55;    // .. of the most that were seen again in a slot of the last second
+constexpr float kPasserBy = 2.0F;    // [m] who walks by nearer than this is much of the view, and moves by himself
 constexpr double kSkips = 1.1;       // surfaces of the slot before the last that are seen again, to those of the last
 
 }  // namespace
@@ -99,6 +100,8 @@ ViewCheck::Seen ViewCheck::see_again(const Slot& earlier) const {
     const Cell& is = now_.cells[octahedral_cell(q, sum, kSide)];
     if (is.n < kSeen) continue;
     ++seen.again;
+    if (distance < kPasserBy || is.nearest < kPasserBy) continue;
+    ++seen.counted;
     if (distance < (1.0F - kLoose) * is.nearest - kLooseBy || distance > (1.0F + kLoose) * is.farthest + kLooseBy) {
       ++seen.unexplained;
     }
@@ -110,8 +113,8 @@ ViewCheck::Seen ViewCheck::see_again(const Slot& earlier) const {
 // away over several slots.
 std::optional<double> ViewCheck::share_of(const Seen& seen) const {
   const int usual = *std::max_element(n_again_.begin(), n_again_.end());
-  if (seen.again < kMin || seen.again < kSeenAgain * seen.all || seen.again < kOfUsual * usual) return std::nullopt;
-  return static_cast<double>(seen.unexplained) / seen.again;
+  if (seen.counted < kMin || seen.again < kSeenAgain * seen.all || seen.again < kOfUsual * usual) return std::nullopt;
+  return static_cast<double>(seen.unexplained) / seen.counted;
 }
 
 }  // namespace aslio::pipeline

@@ -10,7 +10,7 @@
 
 namespace aslio::pipeline {
 
-/// Share of the surfaces of a slot before that are nearer or farther now than the motion explains.
+/// Share of the surfaces of a slot before, beyond 2 m, that are nearer or farther now than the motion explains.
 struct Unexplained {
   double share = 0;
   bool skips = false;  ///< against the slot before the last one
@@ -24,9 +24,10 @@ class ViewCheck {
   explicit ViewCheck(const SensorModel& sensor);
 
   /// Takes the raw points of a window that ends at `t`, placed by `poses`. `ends`: a slot ends with it
-  /// (ViewChange::ended(), so that both see the same slots); then it is compared with the slot before. Two slots say
-  /// nothing of each other after a time without points, where fewer than kMin surfaces are seen again, or less than a
-  /// share of those of the earlier slot or of a slot of the last second. The slot before the last is taken where the
+  /// (ViewChange::ended(), so that both see the same slots); then it is compared with the slot before. Surfaces within
+  /// 2 m, then or now, do not count: there a person is much of the view. Two slots say nothing of each other after a
+  /// time without points, where fewer than kMin surfaces count, or less is seen again than a share of those of the
+  /// earlier slot or of a slot of the last second. The slot before the last is taken where the
   /// last says nothing, and where more of that one is seen again: then the view changed within the last.
   std::optional<Unexplained> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t, bool ends);
   /// What was seen is no longer before what comes.
@@ -52,7 +53,7 @@ class ViewCheck {
   std::optional<Unexplained> compare();
   /// Surfaces of `earlier` that are seen in the slot of now.
   struct Seen {
-    int all = 0, again = 0, unexplained = 0;
+    int all = 0, again = 0, counted = 0, unexplained = 0;  ///< counted: of `again`, those farther than a passer-by
   };
   Seen see_again(const Slot& earlier) const;
   /// A share, if enough was seen again.
