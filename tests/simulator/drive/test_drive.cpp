@@ -20,6 +20,7 @@ namespace {
 double reckoning_error(const Motion& motion, double rate) {
   ImuParams params;
   params.preset = ImuPreset::perfect;
+  params.gyro_noise = params.acc_noise = 0;
   params.rate = 2 * rate;
   const double duration = std::floor(motion.duration());
   const std::vector<ImuSample> samples = simulate_imu(motion, 0, duration, imu_model(params), 1).samples;

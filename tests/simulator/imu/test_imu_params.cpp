@@ -19,9 +19,20 @@ ImuParams preset(ImuPreset preset, double rate) {
 }
 }  // namespace
 
-TEST_CASE("the perfect preset measures the motion and nothing else", "[imu]") {
+TEST_CASE("the perfect preset does not look stuck while it stands still", "[imu]") {
+  const ImuRecord record = simulate_imu(test::standing(), 0, 2, imu_model(preset(ImuPreset::perfect, 200)), 1);
+  for (std::size_t k = 1; k < record.samples.size(); ++k) {
+    REQUIRE(record.samples[k].gyro != record.samples[k - 1].gyro);
+    REQUIRE(record.samples[k].acc != record.samples[k - 1].acc);
+    REQUIRE(record.samples[k].gyro.norm() < 1e-7);
+  }
+}
+
+TEST_CASE("the perfect preset without its noise measures the motion and nothing else", "[imu]") {
   const Walk walk = test::rich();
-  const ImuModel model = imu_model(preset(ImuPreset::perfect, 1000));
+  ImuParams params = preset(ImuPreset::perfect, 1000);
+  params.gyro_noise = params.acc_noise = 0;
+  const ImuModel model = imu_model(params);
   const ImuRecord record = simulate_imu(walk, 0, 60, model, 1);
   REQUIRE(record.samples.size() == 60001);
   for (std::size_t k = 0; k < record.samples.size(); ++k) {

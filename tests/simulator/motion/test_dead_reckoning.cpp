@@ -31,6 +31,7 @@ std::unique_ptr<Motion> minute_of_walking() {
 std::vector<ImuSample> perfect_imu(const Motion& motion, double rate) {
   ImuParams params;
   params.preset = ImuPreset::perfect;
+  params.gyro_noise = params.acc_noise = 0;
   params.rate = rate;
   return simulate_imu(motion, 0, kDuration, imu_model(params), 1).samples;
 }

@@ -18,7 +18,10 @@ ImuModel preset_model(ImuPreset preset) {
   constexpr double kUnlimited = std::numeric_limits<double>::infinity();
   ImuModel model;
   if (preset == ImuPreset::perfect) {
-    model.gyro_noise = model.acc_noise = model.gyro_bias_walk = model.acc_bias_walk = 0;
+    // Without noise a sensor that stands still repeats its reading to the last bit, which means a dead one.
+    model.gyro_noise = 1e-9;
+    model.acc_noise = 1e-8;
+    model.gyro_bias_walk = model.acc_bias_walk = 0;
     model.initial_gyro_bias = model.initial_acc_bias = 0;
     model.gyro_range = model.acc_range = kUnlimited;
     return model;
@@ -75,7 +78,7 @@ void describe_calibration(config::Binder& b, ImuParams& p) {
 void ImuParams::describe(config::Binder& b, ImuParams& params) {
   b.choice("preset", params.preset,
            {{"perfect", ImuPreset::perfect}, {"ideal", ImuPreset::ideal}, {"datasheet", ImuPreset::datasheet}},
-           "perfect: exact and unlimited. ideal: noise and biases of a BMI088, 2000 deg/s, 3 g. datasheet: ideal with "
+           "perfect: exact but for the last digits, and unlimited. ideal: noise and biases of a BMI088, 2000 deg/s, 3 g. datasheet: ideal with "
            "scale error 1 %, cross-axis 0.5 %, g-sensitivity 0.1 deg/s per g, delay 2 ms");
   b.real("rate", params.rate, "Hz", {.min = 5.0, .max = 10000.0}, "samples per second");
   describe_noise(b, params);
