@@ -78,7 +78,8 @@ void describe_calibration(config::Binder& b, ImuParams& p) {
 void ImuParams::describe(config::Binder& b, ImuParams& params) {
   b.choice("preset", params.preset,
            {{"perfect", ImuPreset::perfect}, {"ideal", ImuPreset::ideal}, {"datasheet", ImuPreset::datasheet}},
-           "perfect: exact but for the last digits, and unlimited. ideal: noise and biases of a BMI088, 2000 deg/s, 3 g. datasheet: ideal with "
+           "perfect: exact but for the last digits, and unlimited. ideal: noise and biases of a BMI088, 2000 deg/s, 3 "
+           "g. datasheet: ideal with "
            "scale error 1 %, cross-axis 0.5 %, g-sensitivity 0.1 deg/s per g, delay 2 ms");
   b.real("rate", params.rate, "Hz", {.min = 5.0, .max = 10000.0}, "samples per second");
   describe_noise(b, params);
