@@ -18,7 +18,7 @@ ImuModel preset_model(ImuPreset preset) {
   constexpr double kUnlimited = std::numeric_limits<double>::infinity();
   ImuModel model;
   if (preset == ImuPreset::perfect) {
-    // Without noise a sensor that stands still repeats its reading to the last bit, which means a dead one.
+    // Without noise a sensor that stands still repeats its reading to the last bit, and is taken for a dead one.
     model.gyro_noise = 1e-9;
     model.acc_noise = 1e-8;
     model.gyro_bias_walk = model.acc_bias_walk = 0;

@@ -25,10 +25,10 @@ class ViewCheck {
 
   /// Takes the raw points of a window that ends at `t`, placed by `poses`. `ends`: a slot ends with it
   /// (ViewChange::ended(), so that both see the same slots); then it is compared with the slot before. Surfaces within
-  /// 2 m, then or now, do not count: there a person is much of the view. Two slots say nothing of each other after a
-  /// time without points, where fewer than kMin surfaces count, or less is seen again than a share of those of the
-  /// earlier slot or of a slot of the last second. The slot before the last is taken where the
-  /// last says nothing, and where more of that one is seen again: then the view changed within the last.
+  /// 2 m of where this slot starts, as they were or are, do not count: there a person is much of the view. Two slots
+  /// say nothing of each other after a time without points, where fewer than kMin surfaces count, or less is seen again
+  /// than a share of those of the earlier slot or of a slot of the last second. The slot before the last is taken where
+  /// the last says nothing, and where more of that one is seen again: then the view changed within the last.
   std::optional<Unexplained> add(std::span<const TimedPoint> points, const TrajectoryModel& poses, TimeNs t, bool ends);
   /// What was seen is no longer before what comes.
   void forget();

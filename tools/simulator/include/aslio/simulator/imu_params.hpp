@@ -13,7 +13,7 @@ class Binder;
 namespace aslio::simulator {
 
 enum class ImuPreset : std::uint8_t {
-  perfect,    ///< exact derivatives but for noise in the last digits (1e-8 of a reading), without which it seems stuck
+  perfect,    ///< exact derivatives; white noise of 1e-9 rad/s, 1e-8 m/s^2 per root Hz, lest it seem stuck
   ideal,      ///< white noise, biases and their walk, clipped; perfectly calibrated
   datasheet,  ///< `ideal` with the imperfections of a BMI088: scale, cross-axis, g-sensitivity, filter delay
 };
